@@ -5,7 +5,7 @@
 use crate::engines::content::Meshes;
 use crate::engines::{self, Config, Continuous, Engine};
 use anyhow::Context;
-use backstop_lab::envelope::{Cell, Watch};
+use backstop_lab::envelope::{Cell, Drive, Trial, Watch};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ pub(crate) struct Args {
 }
 
 /// The name by which the envelope knows an engine, and how it is asked: all else is its default.
-fn asked(engine: &str, length_unit: f32) -> anyhow::Result<(&'static str, Config)> {
+fn asked(engine: &str, length_unit: f32, hinge_ranges: bool) -> anyhow::Result<(&'static str, Config)> {
     let config = Config {
         threads: 1,
         effort: 1,
@@ -43,8 +43,7 @@ fn asked(engine: &str, length_unit: f32) -> anyhow::Result<(&'static str, Config
         sleeping: false,
         length_unit,
         max_speed: None,
-        // Of ragdolls alone, whose cones are left out too.
-        hinge_ranges: false,
+        hinge_ranges,
     };
     Ok(match engine {
         // Cells are faster than its limit.
@@ -56,7 +55,7 @@ fn asked(engine: &str, length_unit: f32) -> anyhow::Result<(&'static str, Config
 
 /// Runs all cells, or the one that is asked for.
 pub(crate) fn main(args: &Args) -> anyhow::Result<()> {
-    let (name, _) = asked(&args.engine, 1.0)?;
+    let (name, _) = asked(&args.engine, 1.0, false)?;
     let cells = Cell::all();
     if let Some(wanted) = &args.cell {
         let cell = cells.iter().find(|cell| cell.name() == *wanted).context("no such cell")?;
@@ -101,7 +100,8 @@ fn apart(args: &Args, cell: &str) -> anyhow::Result<Value> {
 
 /// As `Cell::run` does.
 fn watch(cell: &Cell, engine: &str, seconds: f64) -> anyhow::Result<Value> {
-    let (_, config) = asked(engine, cell.conditions.size)?;
+    // Ragdolls are without ranges, as their cones are left out too.
+    let (_, config) = asked(engine, cell.conditions.size, cell.trial == Trial::Motor)?;
     let entry = engines::find(engine).with_context(|| format!("this program is built without {engine}"))?;
     let scene = cell.scene();
     let mut engine: Box<dyn Engine> = (entry.build)(&scene, &Meshes::of(&scene), &config)?;
@@ -109,6 +109,9 @@ fn watch(cell: &Cell, engine: &str, seconds: f64) -> anyhow::Result<Value> {
     let (mut time, mut looked, mut step) = (0.0, 0.0, 0);
     while time < seconds - 5e-4 && watch.is_finite() {
         let dt = cell.conditions.rhythm.dt(step);
+        for Drive { body, linear, angular } in cell.drives(time + 0.5 * f64::from(dt)) {
+            engine.drive(body, linear, angular)?;
+        }
         engine.step(dt)?;
         (time, step) = (time + f64::from(dt), step + 1);
         if time - looked >= 0.1 - 5e-4 || time >= seconds - 5e-4 {

@@ -50,10 +50,12 @@ fn the_published_map_has_every_cell() {
 
 #[test]
 fn green_cells_hold_in_their_first_seconds() {
-    // A cell that is not lost within a minute is not in three seconds; but depth counts only when bodies have
-    // settled.
-    let lost =
-        |figures: &[Figure]| figures.iter().any(|f| f.verdict == Verdict::Lost && f.measure != "depth");
+    // A cell that is not lost within a minute is not in three seconds; but some figures count only when bodies
+    // have settled.
+    let settled = ["depth", "overlap", "stop", "restless"];
+    let lost = |figures: &[Figure]| {
+        figures.iter().any(|f| f.verdict == Verdict::Lost && !settled.contains(&f.measure))
+    };
     let worse: Vec<_> = green(SECONDS / 20.0).into_iter().filter(|(_, figures)| lost(figures)).collect();
     assert!(worse.is_empty(), "{worse:#?}");
 }

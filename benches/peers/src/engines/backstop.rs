@@ -3,6 +3,7 @@
 use super::content::Meshes;
 use super::{Config, Continuous, Engine};
 use anyhow::Context;
+use backstop::glam::Vec3;
 use backstop::{BodyHandle, Geometry, Settings, TriangleMesh, World};
 use backstop_lab::envelope::State;
 use backstop_scene::Scene;
@@ -53,6 +54,10 @@ impl Engine for Backstop {
     fn step(&mut self, dt: f32) -> anyhow::Result<()> {
         self.world.step(dt)?;
         Ok(())
+    }
+
+    fn drive(&mut self, body: usize, linear: Vec3, angular: Vec3) -> anyhow::Result<()> {
+        Ok(self.world.set_velocity(self.bodies[body], linear, angular)?)
     }
 
     fn state(&self, body: usize) -> State {

@@ -183,6 +183,10 @@ impl Box3d {
                     if let Some([min, max]) = range {
                         (def.enableLimit, def.lowerAngle, def.upperAngle) = (true, min, max);
                     }
+                    if let Some(motor) = joint.motors.first() {
+                        def.enableMotor = true;
+                        (def.motorSpeed, def.maxMotorTorque) = (motor.velocity, motor.max_force);
+                    }
                     b3CreateRevoluteJoint(self.world, &def);
                 }
                 Turning::Ball => {
@@ -199,6 +203,16 @@ impl Engine for Box3d {
     fn step(&mut self, dt: f32) -> anyhow::Result<()> {
         // SAFETY: the world is alive until `drop`.
         unsafe { b3World_Step(self.world, dt, self.substeps) }
+        Ok(())
+    }
+
+    fn drive(&mut self, body: usize, linear: Vec3, angular: Vec3) -> anyhow::Result<()> {
+        let id = self.bodies[body];
+        // SAFETY: bodies are never destroyed before the world.
+        unsafe {
+            b3Body_SetLinearVelocity(id, vec3(linear));
+            b3Body_SetAngularVelocity(id, vec3(angular));
+        }
         Ok(())
     }
 

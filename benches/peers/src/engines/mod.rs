@@ -11,6 +11,7 @@ mod physx;
 #[cfg(feature = "rapier")]
 mod rapier;
 
+use ::backstop::glam::Vec3;
 use backstop_lab::envelope::State;
 use backstop_scene::Scene;
 use content::Meshes;
@@ -19,6 +20,11 @@ use content::Meshes;
 pub(crate) trait Engine {
     /// Advances by `dt` [s].
     fn step(&mut self, dt: f32) -> anyhow::Result<()>;
+
+    /// Sets the velocities of a kinematic body, by its index in the scene.
+    fn drive(&mut self, body: usize, linear: Vec3, angular: Vec3) -> anyhow::Result<()> {
+        anyhow::bail!("this adapter drives no body: {body} at {linear}, {angular}")
+    }
 
     /// State of a body, by its index in the scene: that of its origin, with the velocity of its centre of
     /// mass.

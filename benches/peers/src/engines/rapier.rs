@@ -70,6 +70,12 @@ pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::
         if let Some(range) = range {
             data = data.limits(JointAxis::AngX, range);
         }
+        for motor in &joint.motors {
+            // Its motors pull like dampers: this one is all but rigid.
+            data = data
+                .motor_velocity(JointAxis::AngX, motor.velocity, 1e6)
+                .motor_max_force(JointAxis::AngX, motor.max_force);
+        }
         let [a, b] = joint.bodies.map(|body| this.bodies[body]);
         this.world.insert_impulse_joint(a, b, data.build());
     }
@@ -149,6 +155,13 @@ impl Engine for Rapier {
     fn step(&mut self, dt: f32) -> anyhow::Result<()> {
         self.world.integration_parameters.dt = dt;
         self.world.step();
+        Ok(())
+    }
+
+    fn drive(&mut self, body: usize, linear: bg::Vec3, angular: bg::Vec3) -> anyhow::Result<()> {
+        let body = &mut self.world.bodies[self.bodies[body]];
+        body.set_linvel(vec3(linear), true);
+        body.set_angvel(vec3(angular), true);
         Ok(())
     }
 

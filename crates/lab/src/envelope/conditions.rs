@@ -67,6 +67,12 @@ pub struct Conditions {
     pub carried: usize,
     /// Degeneracy of the ground or the bodies.
     pub flaw: Flaw,
+    /// Coefficient of friction of all surfaces instead of their own.
+    pub friction: Option<f32>,
+    /// Overlap of neighbours at the start, as a part of their size.
+    pub overlap: f32,
+    /// Bodies of a heap.
+    pub bodies: usize,
 }
 
 impl Default for Conditions {
@@ -82,6 +88,9 @@ impl Default for Conditions {
             gravity: 1.0,
             carried: 4,
             flaw: Flaw::None,
+            friction: None,
+            overlap: 0.3,
+            bodies: 60,
         }
     }
 }
@@ -111,11 +120,17 @@ pub enum Axis {
     Contacts,
     /// Degenerate triangles and hulls.
     Flaw,
+    /// Friction of all surfaces.
+    Friction,
+    /// Overlap at the start.
+    Overlap,
+    /// Bodies of a heap.
+    Bodies,
 }
 
 impl Axis {
     /// All, in the order of the map.
-    pub const ALL: [Axis; 11] = [
+    pub const ALL: [Axis; 14] = [
         Axis::Ordinary,
         Axis::Distance,
         Axis::Size,
@@ -127,6 +142,9 @@ impl Axis {
         Axis::Gravity,
         Axis::Contacts,
         Axis::Flaw,
+        Axis::Friction,
+        Axis::Overlap,
+        Axis::Bodies,
     ];
 
     /// In a word.
@@ -143,6 +161,9 @@ impl Axis {
             Axis::Gravity => "gravity",
             Axis::Contacts => "contacts",
             Axis::Flaw => "flaw",
+            Axis::Friction => "friction",
+            Axis::Overlap => "overlap",
+            Axis::Bodies => "bodies",
         }
     }
 
@@ -187,6 +208,9 @@ impl Axis {
             ]
             .map(|(label, flaw)| (label.into(), Conditions { flaw, ..Conditions::default() }))
             .to_vec(),
+            Axis::Friction => of(&[0.0, 2.0, 10.0], "", |c, value| c.friction = Some(value)),
+            Axis::Overlap => of(&[0.1, 0.5, 0.9, 1.0], "", |c, value| c.overlap = value),
+            Axis::Bodies => of(&[200.0, 1e3], "", |c, value| c.bodies = value as usize),
         }
     }
 }
@@ -197,7 +221,7 @@ struct Plain(f32);
 impl fmt::Display for Plain {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
-            value if !(1e-2..1e3).contains(&value) => write!(f, "{value:e}"),
+            value if value != 0.0 && !(1e-2..1e3).contains(&value) => write!(f, "{value:e}"),
             value => write!(f, "{value}"),
         }
     }

@@ -1,6 +1,7 @@
 //! How a run is judged: by figures computed from the states of its bodies alone, so that any engine can be
 //! judged by them.
 
+use super::insides::Insides;
 use super::reach::reach;
 use backstop::MassProperties;
 use backstop::{BodyDesc, BodyKind};
@@ -89,6 +90,22 @@ pub(super) enum Measure {
     Speed { body: usize },
     /// Difference of its spin.
     Spin { body: usize },
+    /// The greatest distance of a body from the straight line of its motion at the start.
+    Aside { unit: f64 },
+    /// The greatest distance of the first body of a pair from its place on the second, at the end.
+    Carried { unit: f64, pairs: Vec<[usize; 2]> },
+    /// Difference of the angle of a joint about its axis x from a stop on either side [rad], in the second
+    /// half of the run.
+    Stop { joint: usize, angle: f64 },
+    /// The greatest speed of a body.
+    Fastest { unit: f64 },
+    /// The greatest speed of a body in the second half of the run.
+    Restless { unit: f64 },
+    /// The deepest overlap of a body with another, or with a static box, in the second half of the run: that
+    /// of balls which are inside of them, so a lower bound. Joined bodies count against static boxes alone.
+    Overlap { unit: f64 },
+    /// Bodies whose centre of mass was in a static box at any time.
+    Inside,
 }
 
 impl Measure {
@@ -102,6 +119,13 @@ impl Measure {
             Measure::Loss { .. } => "loss",
             Measure::Speed { .. } => "speed",
             Measure::Spin { .. } => "spin",
+            Measure::Aside { .. } => "aside",
+            Measure::Carried { .. } => "carried",
+            Measure::Stop { .. } => "stop",
+            Measure::Fastest { .. } => "fastest",
+            Measure::Restless { .. } => "restless",
+            Measure::Overlap { .. } => "overlap",
+            Measure::Inside => "inside",
         }
     }
 }
@@ -116,7 +140,8 @@ pub(super) struct Gauge {
 /// A figure and what it means.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Figure {
-    /// The measure: `moved`, `depth`, `through`, `apart`, `gain`, `loss`, `speed`, `spin`, or `finite`.
+    /// The measure: `moved`, `depth`, `through`, `apart`, `gain`, `loss`, `speed`, `spin`, `aside`, `carried`,
+    /// `stop`, `fastest`, `restless`, `overlap`, `inside`, or `finite`.
     pub measure: &'static str,
     /// Value without unit; for `finite`, 1 means that a state was not finite.
     pub value: f64,
@@ -130,6 +155,7 @@ pub struct Watch {
     bodies: Vec<BodyDesc>,
     masses: Vec<MassProperties>,
     joints: Vec<SceneJoint>,
+    insides: Insides,
     gravity: Vec3,
     boundaries: Vec<Boundary>,
     gauges: Vec<Gauge>,
@@ -148,6 +174,7 @@ impl Watch {
         let mut watch = Watch {
             masses,
             joints: scene.joints.clone(),
+            insides: Insides::of(&bodies),
             gravity: scene.gravity,
             boundaries,
             values: vec![0.0; gauges.len()],
@@ -194,7 +221,7 @@ impl Watch {
         let moving = || self.bodies.iter().zip(states).filter(|(desc, _)| desc.kind == BodyKind::Dynamic);
         let gained = || self.energy_of(states) - self.energy;
         let kept = |now: Vec3, start: Vec3| f64::from((now.length() / start.length() - 1.0).abs());
-        match self.gauges[gauge].measure {
+        match &self.gauges[gauge].measure {
             Measure::Moved { unit } => {
                 let ways = moving().map(|(desc, state)| (state.position - desc.position).length());
                 ways.fold(0.0, f64::max) / unit
@@ -205,11 +232,8 @@ impl Watch {
             }
             Measure::Depth { .. } => before,
             Measure::Through => {
-                let beyond = |&i: &usize| {
-                    let centre =
-                        states[i].position + (states[i].rotation * self.masses[i].centre_of_mass).as_dvec3();
-                    self.boundaries.iter().any(|b| above(b, centre) < 0.0)
-                };
+                let beyond =
+                    |&i: &usize| self.boundaries.iter().any(|b| above(b, self.centre(i, states)) < 0.0);
                 let dynamic = |&i: &usize| self.bodies[i].kind == BodyKind::Dynamic;
                 before.max((0..states.len()).filter(dynamic).filter(beyond).count() as f64)
             }
@@ -225,9 +249,60 @@ impl Watch {
             }
             Measure::Gain { unit } => before.max(gained() / unit),
             Measure::Loss { unit } => (-gained() / unit).max(0.0),
-            Measure::Speed { body } => kept(states[body].linear, self.bodies[body].linear_velocity),
-            Measure::Spin { body } => kept(states[body].angular, self.bodies[body].angular_velocity),
+            &Measure::Speed { body } => kept(states[body].linear, self.bodies[body].linear_velocity),
+            &Measure::Spin { body } => kept(states[body].angular, self.bodies[body].angular_velocity),
+            Measure::Aside { unit } => {
+                let ways = moving().map(|(desc, state)| {
+                    let line = desc.linear_velocity.as_dvec3().normalize_or_zero();
+                    (state.position - desc.position).reject_from_normalized(line).length()
+                });
+                ways.fold(before, |most, way| most.max(way / unit))
+            }
+            Measure::Carried { unit, pairs } => {
+                let place = |[body, on]: [usize; 2], at: &dyn Fn(usize) -> State| {
+                    (at(on).rotation.as_dquat().inverse()) * (at(body).position - at(on).position)
+                };
+                let way = |&pair: &[usize; 2]| {
+                    let start = place(pair, &|i| State::of(&self.bodies[i]));
+                    (place(pair, &|i| states[i]) - start).length()
+                };
+                pairs.iter().map(way).fold(0.0, f64::max) / unit
+            }
+            Measure::Fastest { unit } => before.max(self.fastest(states) / unit),
+            Measure::Inside => {
+                let inside = |&i: &usize| {
+                    self.bodies[i].kind == BodyKind::Dynamic
+                        && self.insides.holds(self.centre(i, states), states)
+                };
+                before.max((0..states.len()).filter(inside).count() as f64)
+            }
+            _ if time < self.settled => before,
+            Measure::Stop { joint, angle } => before.max((self.angle(*joint, states).abs() - angle).abs()),
+            Measure::Restless { unit } => before.max(self.fastest(states) / unit),
+            Measure::Overlap { unit } => {
+                before.max(self.insides.deepest(states, self.joints.is_empty()) / unit)
+            }
         }
+    }
+
+    fn centre(&self, body: usize, states: &[State]) -> DVec3 {
+        states[body].position + (states[body].rotation * self.masses[body].centre_of_mass).as_dvec3()
+    }
+
+    fn fastest(&self, states: &[State]) -> f64 {
+        let moving = self.bodies.iter().zip(states).filter(|(desc, _)| desc.kind == BodyKind::Dynamic);
+        moving.map(|(_, state)| f64::from(state.linear.length())).fold(0.0, f64::max)
+    }
+
+    /// How far the second body of a joint is turned in the first, about the axis x of its frames [rad].
+    fn angle(&self, joint: usize, states: &[State]) -> f64 {
+        let joint = &self.joints[joint];
+        let [a, b] = [0, 1].map(|side| {
+            (states[joint.bodies[side]].rotation * joint.frames[side].rotation).as_dquat().normalize()
+        });
+        let turn = a.inverse() * b;
+        let angle = 2.0 * libm::atan2(turn.x, turn.w);
+        libm::remainder(angle, std::f64::consts::TAU)
     }
 
     /// How deep a body is beyond the boundaries [m].

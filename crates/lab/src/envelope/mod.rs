@@ -7,13 +7,14 @@
 //! `docs/envelope.md` has the map.
 
 mod conditions;
+mod insides;
 mod measures;
 mod reach;
 mod trials;
 
 pub use conditions::{Axis, Conditions, Flaw, Rhythm};
 pub use measures::{Figure, State, Verdict, Watch};
-pub use trials::Trial;
+pub use trials::{Drive, Trial};
 
 use backstop::BodyHandle;
 use backstop::Error;
@@ -61,6 +62,11 @@ impl Cell {
         self.trial.setup(&self.conditions).scene
     }
 
+    /// Velocities of the bodies that are driven, for the step about a time [s]: the same in any engine.
+    pub fn drives(&self, time: f64) -> Vec<Drive> {
+        self.trial.drives(&self.conditions, time)
+    }
+
     /// The judge of a run of `seconds`.
     pub fn watch(&self, seconds: f64) -> Watch {
         let Setup { scene, boundaries, gauges } = self.trial.setup(&self.conditions);
@@ -87,6 +93,9 @@ impl Cell {
                 break;
             }
             let dt = self.conditions.rhythm.dt(step);
+            for Drive { body, linear, angular } in self.drives(time + 0.5 * f64::from(dt)) {
+                world.set_velocity(bodies[body], linear, angular)?;
+            }
             world.step(dt)?;
             time += f64::from(dt);
             if time - looked >= 0.1 - 5e-4 || time >= seconds - 5e-4 {

@@ -2,7 +2,7 @@
 
 use super::super::conditions::Conditions;
 use super::super::measures::{Gauge, Measure, mass_of};
-use super::setup::{Setup, floor, weight};
+use super::setup::{Setup, about_z, floor, weight};
 use backstop::Geometry;
 use backstop::math::Quat;
 use backstop::{JointDesc, Skeleton};
@@ -22,13 +22,8 @@ fn gains(unit: f64) -> Gauge {
     Gauge { measure: Measure::Gain { unit }, bounds: [0.01, 0.1] }
 }
 
-/// A rotation by an angle about z, the axis of all hinges here (x of their frames).
-fn about_z(angle: f32) -> Quat {
-    Quat::from_xyzw(0.0, 0.0, libm::sinf(0.5 * angle), libm::cosf(0.5 * angle))
-}
-
 /// Turns the axis x of a frame to z.
-fn x_to_z() -> Quat {
+pub(super) fn x_to_z() -> Quat {
     Quat::from_xyzw(0.0, -libm::sinf(0.5 * FRAC_PI_2), 0.0, libm::cosf(0.5 * FRAC_PI_2))
 }
 

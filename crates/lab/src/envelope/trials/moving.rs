@@ -12,17 +12,17 @@ use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// No body may get through.
-fn inside() -> Gauge {
+pub(super) fn inside() -> Gauge {
     Gauge { measure: Measure::Through, bounds: [0.0, 0.0] }
 }
 
 /// Overlap with walls and floor, relative to the size of a body.
-fn shallow(unit: f32, stable: f64) -> Gauge {
+pub(super) fn shallow(unit: f32, stable: f64) -> Gauge {
     Gauge { measure: Measure::Depth { unit: f64::from(unit) }, bounds: [stable, 0.5] }
 }
 
 /// A closed room of six boxes, and its inner faces.
-fn room(scene: &mut Scene, half: f32, thick: f32) -> Vec<Boundary> {
+pub(super) fn room(scene: &mut Scene, half: f32, thick: f32) -> Vec<Boundary> {
     let mut boundaries = Vec::new();
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
         for normal in [axis, -axis] {
@@ -45,15 +45,16 @@ fn mixed(i: usize, radius: f32, rng: &mut Rng) -> Geometry {
     }
 }
 
-/// Sixty bodies of five shapes in a closed room, where they fall into a pile; if a speed is given, each
+/// Bodies of five shapes in a closed room, where they fall into a pile; if a speed is given, each
 /// starts in a direction of its own.
 pub(super) fn pile(c: &Conditions) -> Setup {
     let mut scene = Scene::new("pile");
-    let boundaries = room(&mut scene, 2.5 * c.size, 0.25 * c.size);
+    let side = libm::cbrtf(c.bodies as f32).ceil() as usize;
+    let boundaries = room(&mut scene, (0.6 * side as f32 + 0.1) * c.size, 0.25 * c.size);
     let mut rng = Rng::new(7);
-    for i in 0..60 {
-        let cell = |n: usize| (n as f32 - 1.5) * 1.2;
-        let at = Vec3::new(cell(i % 4), cell(i / 4 % 4), cell(i / 16)) * c.size;
+    for i in 0..c.bodies {
+        let cell = |n: usize| (n as f32 - 0.5 * (side - 1) as f32) * 1.2;
+        let at = Vec3::new(cell(i % side), cell(i / side % side), cell(i / (side * side))) * c.size;
         let mut body = dynamic(mixed(i, 0.4 * c.size, &mut rng), at).with_rotation(rng.rotation());
         weight(&mut body, if i % 2 == 0 { c.mass_ratio } else { 1.0 });
         let velocity = rng.direction() * c.speed.unwrap_or(0.0) * c.size;

@@ -3,6 +3,7 @@
 use super::super::measures::{Boundary, Gauge};
 use backstop::BodyDesc;
 use backstop::Geometry;
+use backstop::math::Quat;
 use backstop_scene::Scene;
 use backstop_scene::builtin::fixed;
 use glam::{DVec3, Vec3};
@@ -13,6 +14,22 @@ pub(in crate::envelope) struct Setup {
     pub(in crate::envelope) scene: Scene,
     pub(in crate::envelope) boundaries: Vec<Boundary>,
     pub(in crate::envelope) gauges: Vec<Gauge>,
+}
+
+/// The velocities that a body is given for a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Index of the body in the scene.
+    pub body: usize,
+    /// Of its origin [m/s].
+    pub linear: Vec3,
+    /// About the world's axes [rad/s].
+    pub angular: Vec3,
+}
+
+/// A rotation by an angle about z, the axis of all hinges here (x of their frames).
+pub(super) fn about_z(angle: f32) -> Quat {
+    Quat::from_xyzw(0.0, 0.0, libm::sinf(0.5 * angle), libm::cosf(0.5 * angle))
 }
 
 /// Adds a floor whose top is at height 0. `half`: half its side length; `size`: the length unit.
