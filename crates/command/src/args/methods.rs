@@ -7,7 +7,6 @@ use clap::Args;
 
 /// Options of the lab's methods (docs/lecture.md); a method leaves those that it does not know alone.
 #[derive(Args, Clone, Debug, PartialEq)]
-#[command(next_help_heading = "Methods of the lab")]
 pub(crate) struct MethodArgs {
     /// Impulses that a method starts from: zero, last-step or fast-path.
     #[arg(long, value_name = "FROM", default_value = "zero", value_parser = guess)]
