@@ -50,8 +50,8 @@ pub(crate) struct Rows {
     /// One for each batch of the schedule; empty unless some shape resists rolling or spinning.
     pub(crate) rolling: Vec<RollingRow>,
     pub(crate) soft: SoftRows,
-    /// Impulses of [`guard`](crate::constraint::guard) on the points of each contact in the substep [N s], of which
-    /// nothing else is kept; empty unless somebody observes the step.
+    /// Impulses of [`guard`](crate::constraint::guard) on the points of each contact in the substep [N s],
+    /// of which nothing else is kept; empty unless somebody observes the step.
     pub(crate) guarded: Vec<[f32; 4]>,
 }
 

@@ -54,8 +54,9 @@ pub struct SystemBody {
     /// Changes of its velocity by anything but gravity, forces and rows: friction of impacts, impacts as far
     /// as they are not in rows, and limits, minus the part of gravity and forces that was not applied.
     pub given: Velocity,
-    /// Whether the engine moved it otherwise than by the impulses of its rows: in a tree of joints, bodies counted as
-    /// heavier than they are or a substep was solved again; or it stood still after several impacts.
+    /// Whether the engine moved it otherwise than by the impulses of its rows: in a tree of joints, bodies
+    /// counted as heavier than they are or a substep was solved again; or it stood still after several
+    /// impacts.
     pub unconserved: bool,
     /// Displacement [m] and rotation vector [rad] of the step.
     pub moved: Velocity,

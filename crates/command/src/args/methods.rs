@@ -27,7 +27,8 @@ pub(crate) struct MethodArgs {
     #[arg(long)]
     pub(crate) no_direction_memory: bool,
     /// Impacts of a pair after which sequential halves its restitution; it loses all after four times as many.
-    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 32)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) calm: u32,
     /// Which pair sequential takes next: fastest, or given, by the order of bodies.
     #[arg(long, value_name = "ORDER", default_value = "fastest", value_parser = order)]

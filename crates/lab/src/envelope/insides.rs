@@ -127,7 +127,7 @@ mod tests {
                 dynamic(Geometry::Sphere { radius }, Vec3::ZERO),
             ];
             let mut states = bodies.each_ref().map(State::of);
-            let turn: Quat = rng.rotation();
+            let turn = Quat::from(rng.rotation());
             let at = rng.direction() * 1000.0;
             let within = Vec3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0)) * half;
             (states[0].rotation, states[0].position) = (turn, at.as_dvec3());

@@ -80,8 +80,8 @@ pub struct Effort {
     pub frequency: f64,
     /// Damping ratio of these springs. Default 0.7.
     pub damping: f64,
-    /// Impacts of a pair after which `sequential` halves its restitution; all of it after four times as many. At least
-    /// 1. Default 32.
+    /// Impacts of a pair after which `sequential` halves its restitution; it loses all of it after four times
+    /// as many. At least 1. Default 32.
     pub calm: u32,
     /// The order in which `sequential` visits pairs.
     pub order: Order,
