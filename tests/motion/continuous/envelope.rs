@@ -50,8 +50,8 @@ fn the_published_map_has_every_cell() {
 
 #[test]
 fn green_cells_hold_in_their_first_seconds() {
-    // A cell that is not lost within a minute is not in three seconds; but some figures count only when bodies
-    // have settled.
+    // A cell that is not lost within a minute is not in three seconds; but some figures count only when
+    // bodies have settled.
     let settled = ["depth", "overlap", "stop", "restless"];
     let lost = |figures: &[Figure]| {
         figures.iter().any(|f| f.verdict == Verdict::Lost && !settled.contains(&f.measure))

@@ -26,7 +26,7 @@ pub(crate) struct MethodArgs {
     /// Penalty methods forget the direction in which bodies entered each other.
     #[arg(long)]
     pub(crate) no_direction_memory: bool,
-    /// Impacts of a pair after which sequential halves its restitution; it loses all after four times as many.
+    /// Impacts of a pair after which sequential halves its restitution; all of it after four times as many.
     #[arg(long, value_name = "N", default_value_t = 32)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) calm: u32,

@@ -140,8 +140,8 @@ pub(super) struct Gauge {
 /// A figure and what it means.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Figure {
-    /// The measure: `moved`, `depth`, `through`, `apart`, `gain`, `loss`, `speed`, `spin`, `aside`, `carried`,
-    /// `stop`, `fastest`, `restless`, `overlap`, `inside`, or `finite`.
+    /// The measure: `moved`, `depth`, `through`, `apart`, `gain`, `loss`, `speed`, `spin`, `aside`,
+    /// `carried`, `stop`, `fastest`, `restless`, `overlap`, `inside`, or `finite`.
     pub measure: &'static str,
     /// Value without unit; for `finite`, 1 means that a state was not finite.
     pub value: f64,
