@@ -31,7 +31,7 @@ fn faults(seen: &Seen, fine: &Seen, driven: bool) -> Vec<String> {
         faults.push(format!("joints open by {:.3} m", seen.opening));
     }
     if !driven && seen.gain > fine.gain + 0.15 {
-        faults.push(format!("{:.2} of the energy gained", seen.gain));
+        faults.push(format!("{:.2} of the energy gained, not {:.2}", seen.gain, fine.gain));
     }
     let margin = 0.35 * (fine.high - fine.low).length() + 0.5;
     if (fine.low - seen.low).max_element() > margin || (seen.high - fine.high).max_element() > margin {
