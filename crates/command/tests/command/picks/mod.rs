@@ -1,5 +1,5 @@
 //! What `cargo backstop trade` picks, looked at: each pick is run again and judged by measurements that are
-//! not trade's own. `BACKSTOP_PICKS=all` judges all scenes on the quick grid, and prints a table.
+//! not trade's own. `BACKSTOP_PICKS=SEED` judges all scenes of a seed on the quick grid, and prints a table.
 
 mod judge;
 mod scenes;
@@ -81,7 +81,8 @@ fn judge(scene: &Scene, options: &str, seconds: f64) -> (String, Vec<String>) {
 
 #[test]
 fn picks_are_what_a_person_would_take() {
-    let all = std::env::var_os("BACKSTOP_PICKS").is_some();
+    let seed = std::env::var("BACKSTOP_PICKS").ok().and_then(|seed| seed.parse().ok());
+    let all = seed.is_some();
     let options = if all {
         "--quick"
     } else {
@@ -90,7 +91,7 @@ fn picks_are_what_a_person_would_take() {
     };
     let seconds = if all { 2.0 } else { 1.0 };
     let mut bad = Vec::new();
-    for scene in scenes::all(7).iter().take(if all { usize::MAX } else { 4 }) {
+    for scene in scenes::all(seed.unwrap_or(7)).iter().take(if all { usize::MAX } else { 4 }) {
         let (line, faults) = judge(scene, options, seconds);
         println!("{line} | {}", faults.join(", "));
         if !faults.is_empty() {
