@@ -39,7 +39,7 @@ pub struct Reference {
     share: f64,
     heap: Heap,
     region: Region,
-    /// The greatest rise of energy that a run of the reference has, and how much runs differ in it [J].
+    /// The greatest rise of energy that a run of the reference has [J].
     rise: f64,
     uncertainty: Errors,
 }
@@ -102,9 +102,7 @@ impl Reference {
         let heap = Heap::new(&members, (0..bodies).filter(crowd).collect());
         let rests =
             (0..bodies).map(|body| members.iter().all(|member| member.end_speed(body) <= RESTS)).collect();
-        let rises: Vec<f64> = members.iter().map(Track::rise).collect();
-        let most = rises.iter().copied().fold(0.0, f64::max);
-        let rise = 2.0 * most - rises.iter().copied().fold(most, f64::min);
+        let rise = members.iter().map(Track::rise).fold(0.0, f64::max);
         let region = Region::of(&members);
         let flaws = half.flaws;
         let half = half.clone();

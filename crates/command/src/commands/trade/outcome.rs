@@ -187,8 +187,7 @@ fn warning(share: f64, measure: Measure) -> Option<String> {
     (share < ENOUGH && measure.of_paths()).then(|| {
         format!(
             "paths can be compared for {:.0} % of the run only, so errors of {} say nothing about most of \
-             it: \
-             judge it by --error heap, or take fewer --seconds",
+             it: judge it by --error heap, or take fewer --seconds",
             100.0 * share,
             measure.name()
         )

@@ -13,7 +13,7 @@ pub(super) struct Seen {
     pub(super) lasting: f64,
     /// Widest gap of a joint [m].
     pub(super) opening: f64,
-    /// The greatest rise of energy by the difference between its greatest and least value.
+    /// The greatest rise of energy from any earlier time, by the greatest kinetic energy of all bodies.
     pub(super) gain: f64,
     /// The box about all places.
     pub(super) low: DVec3,
@@ -50,7 +50,7 @@ pub(super) fn watch(scene: &Scene, settings: &Settings, hz: u32, seconds: f64) -
     seen.end_speeds = vec![0.0; dynamic.len()];
     seen.narrowest = narrowest(scene);
     let mut energies = vec![world.energy()];
-    let mut shares = Vec::new();
+    let (mut shares, mut kinetic) = (Vec::new(), 0.0_f64);
     for step in 0..steps {
         world.step(1.0 / hz as f32).expect("a step");
         energies.push(world.energy());
@@ -58,14 +58,17 @@ pub(super) fn watch(scene: &Scene, settings: &Settings, hz: u32, seconds: f64) -
             let [a, b] = world.joint_frames(joint).expect("frames");
             seen.opening = seen.opening.max(a.0.distance(b.0));
         }
+        let mut moving = 0.0;
         for (i, &body) in dynamic.iter().enumerate() {
             let at = world.centre_of_mass(body).expect("a body");
             (seen.low, seen.high) = (seen.low.min(at), seen.high.max(at));
+            let speed = world.linear_velocity(body).expect("a body").length();
+            moving += 0.5 * f64::from(world.mass(body).expect("a body") * speed * speed);
             if step + tail >= steps {
-                let speed = world.linear_velocity(body).expect("a body").length();
                 seen.end_speeds[i] += f64::from(speed) / tail as f64;
             }
         }
+        kinetic = kinetic.max(moving);
         let most = std::mem::take(&mut seen.overlap_share);
         overlaps(scene, &world, &added.bodies, &mut seen);
         shares.push(seen.overlap_share);
@@ -78,8 +81,7 @@ pub(super) fn watch(scene: &Scene, settings: &Settings, hz: u32, seconds: f64) -
         least = least.min(energy);
         rise = rise.max(energy - least);
     }
-    let most = energies.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    seen.gain = rise / (most - least).max(f64::MIN_POSITIVE);
+    seen.gain = rise / kinetic.max(f64::MIN_POSITIVE);
     seen
 }
 

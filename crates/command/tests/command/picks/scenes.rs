@@ -8,7 +8,7 @@ use std::f32::consts::PI;
 /// All of them, by what a person would watch in each.
 pub(super) fn all(seed: u64) -> Vec<Scene> {
     let scenes: [fn(&mut Rng) -> Scene; 12] =
-        [dominoes, bullet, chain, struck_pyramid, stairs, bridge, car, heap, arch, gyroscope, drum, top];
+        [dominoes, bullet, struck_pyramid, chain, stairs, bridge, car, heap, arch, gyroscope, drum, top];
     scenes.iter().map(|scene| scene(&mut Rng::new(seed))).collect()
 }
 
