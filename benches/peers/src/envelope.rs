@@ -27,7 +27,7 @@ pub(crate) struct Args {
     #[arg(long, hide = true)]
     cell: Option<String>,
     /// Seconds after which a cell counts as lost.
-    #[arg(long, default_value_t = 60)]
+    #[arg(long, default_value_t = 300)]
     patience: u64,
     /// Seconds that each cell is watched for.
     #[arg(long, default_value_t = 60.0)]
