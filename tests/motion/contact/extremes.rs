@@ -196,7 +196,7 @@ fn chains_that_whip_bear_any_load() {
     for (hertz, substeps, iterations) in CASES {
         for lying in [Lying::Folded, Lying::Zigzag, Lying::Upright] {
             for (links, ratio) in [2, 5, 20].into_iter().flat_map(|n| [20.0, 1e3, 1e5, 1e6].map(|r| (n, r))) {
-                if !wide() && (links == 2) == (ratio == 20.0 || ratio == 1e5) {
+                if !wide() && links == 5 {
                     continue;
                 }
                 let mut chain = Chain::new(links, ratio, (substeps, iterations), 1.0, lying);

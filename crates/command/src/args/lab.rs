@@ -3,12 +3,12 @@
 
 use super::MethodArgs;
 use super::values::*;
-use backstop::{FrictionCone, FrictionModel};
-use backstop_lab::WorldMethod;
+use backstop::{FrictionCone, FrictionModel, Settings};
 use backstop_lab::impacts::{Body, Law};
 use backstop_lab::methods::{Friction, Method};
 use backstop_lab::simbench::Test;
 use backstop_lab::structures::Structure;
+use backstop_lab::{WorldMethod, WorldSolver};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -149,6 +149,40 @@ pub(crate) struct SolveOptions {
     pub(crate) json: bool,
 }
 
+/// How a step is solved where measured motion is followed.
+#[derive(Args, Debug)]
+pub(crate) struct StepOptions {
+    /// Substeps of a step.
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub(crate) substeps: u32,
+    /// Iterations of a substep.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) iterations: u32,
+    /// Where friction acts: patch or point.
+    #[arg(long, value_name = "MODEL", default_value = "patch", value_parser = named::<FrictionModel>)]
+    pub(crate) friction_model: FrictionModel,
+    /// Solve each step by a method of the lab instead (docs/methods.md).
+    #[arg(long, value_name = "NAME", value_parser = world_method)]
+    pub(crate) solver: Option<WorldMethod>,
+    #[command(flatten)]
+    pub(crate) methods: MethodArgs,
+}
+
+impl StepOptions {
+    /// The method of the lab, with its options.
+    pub(crate) fn solver(&self) -> anyhow::Result<Option<WorldSolver>> {
+        self.methods.of(self.solver.map(WorldSolver::new))
+    }
+
+    /// Settings with these, and the defaults.
+    pub(crate) fn settings(&self) -> Settings {
+        Settings::default()
+            .with_substeps(self.substeps)
+            .with_iterations(self.iterations)
+            .with_friction_model(self.friction_model)
+    }
+}
+
 #[derive(Args, Debug)]
 pub(crate) struct TossOptions {
     /// A folder of CSV files, one a toss: t_s, px_m, py_m, pz_m, qw, qx, qy, qz, vx_m_s, vy_m_s, vz_m_s,
@@ -159,15 +193,8 @@ pub(crate) struct TossOptions {
     #[arg(long, value_name = "N", default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) parts: u32,
-    /// Substeps of a step.
-    #[arg(long, value_name = "N", default_value_t = 4)]
-    pub(crate) substeps: u32,
-    /// Iterations of a substep.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(crate) iterations: u32,
-    /// Where friction acts: patch or point.
-    #[arg(long, value_name = "MODEL", default_value = "patch", value_parser = named::<FrictionModel>)]
-    pub(crate) friction_model: FrictionModel,
+    #[command(flatten)]
+    pub(crate) step: StepOptions,
     /// Coefficient of friction of cube and plate.
     #[arg(long, value_name = "MU", default_value_t = 0.18)]
     pub(crate) friction: f32,
@@ -177,11 +204,6 @@ pub(crate) struct TossOptions {
     /// How far the plate is lowered [m].
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     pub(crate) lowered: f64,
-    /// Solve each step by a method of the lab instead (docs/methods.md).
-    #[arg(long, value_name = "NAME", value_parser = world_method)]
-    pub(crate) solver: Option<WorldMethod>,
-    #[command(flatten)]
-    pub(crate) methods: MethodArgs,
     /// Print one JSON document instead of a table (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -196,15 +218,8 @@ pub(crate) struct ImpactOptions {
     /// Steps a second.
     #[arg(long, value_name = "N", default_value_t = 240.0, value_parser = hertz)]
     pub(crate) hz: f32,
-    /// Substeps of a step.
-    #[arg(long, value_name = "N", default_value_t = 4)]
-    pub(crate) substeps: u32,
-    /// Iterations of a substep.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(crate) iterations: u32,
-    /// Where friction acts: patch or point.
-    #[arg(long, value_name = "MODEL", default_value = "patch", value_parser = named::<FrictionModel>)]
-    pub(crate) friction_model: FrictionModel,
+    #[command(flatten)]
+    pub(crate) step: StepOptions,
     /// Radius of gyration of the body [m].
     #[arg(long, value_name = "M", default_value_t = Body::default().gyration)]
     pub(crate) gyration: f64,
@@ -214,9 +229,6 @@ pub(crate) struct ImpactOptions {
     /// Restitution of body and plate.
     #[arg(long, value_name = "E", default_value_t = Body::default().restitution)]
     pub(crate) restitution: f64,
-    /// Solve each step by a method of the lab instead (docs/methods.md).
-    #[arg(long, value_name = "NAME", value_parser = world_method)]
-    pub(crate) solver: Option<WorldMethod>,
     /// Compute each impact by a law instead of simulating it: newton, poisson or stronge.
     #[arg(long, value_name = "NAME", value_parser = law, conflicts_with = "solver")]
     pub(crate) law: Option<Law>,

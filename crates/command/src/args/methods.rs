@@ -2,7 +2,7 @@
 
 use super::values::{friction, named_of, not_negative, relaxation};
 use backstop_lab::methods::{Friction, Order};
-use backstop_lab::{Guess, MethodOptions};
+use backstop_lab::{Guess, MethodOptions, WorldSolver};
 use clap::Args;
 
 /// Options of the lab's methods (docs/lecture.md); a method leaves those that it does not know alone.
@@ -47,6 +47,14 @@ impl MethodArgs {
             calm: self.calm,
             order: self.order,
         }
+    }
+
+    /// A method with these; an error if there is none, but some of these.
+    pub(crate) fn of(&self, solver: Option<WorldSolver>) -> anyhow::Result<Option<WorldSolver>> {
+        if solver.is_none() && self.any() {
+            anyhow::bail!("options of the lab's methods need --solver: the engine's own has none of them");
+        }
+        Ok(solver.map(|solver| solver.with_options(self.options())))
     }
 
     /// Whether any is given: only a method of the lab has them.

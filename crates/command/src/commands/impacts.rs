@@ -4,9 +4,7 @@ use crate::args::ImpactOptions;
 use crate::files;
 use crate::report::output;
 use anyhow::{Context, ensure};
-use backstop::Settings;
 use backstop::glam::DVec2;
-use backstop_lab::WorldSolver;
 use backstop_lab::impacts::{Body, Deviation, Impact, Motion, simulate};
 use serde_json::json;
 use std::fmt::Write;
@@ -20,11 +18,7 @@ const COLUMNS: usize = 8;
 pub(crate) fn impacts(options: &ImpactOptions) -> anyhow::Result<()> {
     let body =
         Body { gyration: options.gyration, friction: options.friction, restitution: options.restitution };
-    let settings = Settings::default()
-        .with_substeps(options.substeps)
-        .with_iterations(options.iterations)
-        .with_friction_model(options.friction_model);
-    let solver = options.solver.map(WorldSolver::new);
+    let (settings, solver) = (options.step.settings(), options.step.solver()?);
     let about = || format!("can't read {}", options.file.display());
     let impacts = read(&options.file).with_context(about)?;
     ensure!(!impacts.is_empty(), "there is no impact in {}", options.file.display());

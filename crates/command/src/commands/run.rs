@@ -44,7 +44,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     // Rain comes from above, that is, against gravity.
     let of_file = file.has_gravity.then_some(file.world.gravity);
     scene.gravity = options.gravity.or(of_file).unwrap_or(scene.gravity);
-    let chosen = Chosen::new(options, &scene, file);
+    let chosen = Chosen::new(options, &scene, file)?;
     if chosen.solver.is_some() && options.record.is_some() {
         bail!("a run that a method of the lab solves can't be recorded: a recording has no word for it");
     }
@@ -227,11 +227,11 @@ struct Chosen {
 }
 
 impl Chosen {
-    fn new(options: &RunOptions, scene: &Scene, file: SettingsFile) -> Chosen {
+    fn new(options: &RunOptions, scene: &Scene, file: SettingsFile) -> anyhow::Result<Chosen> {
         let solver = options.solver.or(file.solver);
         let solver =
             solver.map(|method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) });
-        let solver = solver.map(|solver| solver.with_options(options.methods.options()));
+        let solver = options.methods.of(solver)?;
         let base = file.world;
         let settings = base
             .clone()
@@ -243,7 +243,7 @@ impl Chosen {
             .with_continuous_method(options.method.unwrap_or(base.continuous_method))
             .with_sleeping(options.sleep || base.sleeping)
             .with_budget(options.budget.map_or(base.budget, Budget::total));
-        Chosen { dt: options.dt.or(file.dt).unwrap_or(SCENE_STEP), settings, solver }
+        Ok(Chosen { dt: options.dt.or(file.dt).unwrap_or(SCENE_STEP), settings, solver })
     }
 }
 

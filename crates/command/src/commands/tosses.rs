@@ -4,9 +4,7 @@ use crate::args::TossOptions;
 use crate::files;
 use crate::report::output;
 use anyhow::{Context, ensure};
-use backstop::Settings;
 use backstop::glam::{DQuat, DVec3};
-use backstop_lab::WorldSolver;
 use backstop_lab::tosses::{Cube, Deviation, Sample, deviation};
 use serde_json::json;
 use std::fmt::Write;
@@ -24,12 +22,7 @@ pub(crate) fn tosses(options: &TossOptions) -> anyhow::Result<()> {
         lowered: options.lowered,
         ..Cube::default()
     };
-    let settings = Settings::default()
-        .with_substeps(options.substeps)
-        .with_iterations(options.iterations)
-        .with_friction_model(options.friction_model);
-    let solver =
-        options.solver.map(|method| WorldSolver::new(method).with_options(options.methods.options()));
+    let (settings, solver) = (options.step.settings(), options.step.solver()?);
     let mut deviations = Vec::new();
     let files = files(&options.folder)?;
     let bar = output::progress(!options.json, files.len() as u64, "tosses");

@@ -85,9 +85,9 @@ fn heap(world: &mut World, rng: &mut Rng) {
     }
 }
 
-/// Newton's second law: what changes the momentum of a body is gravity and the impulses of rows, and no more
-/// than rounding is left. Velocities and impulses are single precision: of the largest that occur, so many
-/// parts in 10⁷ for each substep and pass.
+/// Newton's second law: what changes the momentum of a body is gravity and the impulses of rows. What is left
+/// is rounding: bodies and impulses are single precision, 6e-8, over the passes of four substeps. One in a
+/// hundred runs of more seeds has a step, about the first impact, with up to 3 m/s that have no cause here.
 #[test]
 fn every_change_of_momentum_has_its_cause() {
     let count = std::env::var("COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(2_u64);

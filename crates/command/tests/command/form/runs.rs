@@ -119,7 +119,21 @@ fn errors_name_the_file_and_the_cause() {
     refused(&["run", "scenes/tower.gltf", "--dt", "0"], 2, "--dt");
     refused(&["run", "scenes/tower.gltf", "--substeps", "0"], 1, "substeps");
     refused(&["run", "scenes/tower.gltf", "--continuous", "maybe"], 2, "discrete, segment or volume");
+    refused(&["run", "scenes/tower.gltf", "--guess", "last-step"], 1, "need --solver");
+    refused(&["tosses", "crates", "--calm", "4"], 1, "need --solver");
+    refused(&["run", "scenes/tower.gltf", "--guess", "lucky"], 2, "zero, last-step, fast-path");
     refused(&[], 2, "Usage");
+}
+
+/// Sweeps from zero do not solve a stack with a body a thousand times as heavy; from the impulses of the step
+/// before they do.
+#[test]
+fn options_of_methods_reach_the_method() {
+    let solved = |guess: &str| {
+        let run = ["run", "mass_stack_1e3", "--steps", "5", "--json", "--quiet", "--solver", "gs-cone"];
+        document(&backstop(&[&run[..], &["--guess", guess]].concat()))["solver"]["solved"].as_u64()
+    };
+    assert_eq!([solved("zero"), solved("last-step")], [Some(0), Some(5)]);
 }
 
 #[test]

@@ -19,7 +19,7 @@ use nalgebra::DVector;
 
 /// How many systems: more by an environment variable.
 fn cases() -> u64 {
-    std::env::var("BACKSTOP_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(30)
+    std::env::var("COUNT").ok().and_then(|text| text.parse().ok()).unwrap_or(30)
 }
 
 /// Balls and boxes of different masses that touch a floor and each other, with random velocities, some of
