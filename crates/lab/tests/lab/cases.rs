@@ -18,6 +18,8 @@ const SHORT: &[(&str, f64)] = &[
     ("rod-reversal", 0.251),
     ("rocking-loss", 0.08),
     ("superball-table", 1.14),
+    ("capstan", 0.026),
+    ("squeezer", 0.017),
     ("four-bars-energy", 0.19),
 ];
 

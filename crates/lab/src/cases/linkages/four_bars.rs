@@ -28,7 +28,7 @@ pub(in crate::cases) const CASES: &[Case] = &[
         about: "the same: what their energy is off by after 10 s, as a share of the kinetic energy below",
         formula: "0",
         unit: "of E",
-        bar: 0.01,
+        bar: 1e-3,
         measure: |setting| four_bars(setting, true),
     },
 ];
