@@ -14,8 +14,8 @@ pub(super) struct PointLoad {
     pub(super) point: u32,
     /// The supporting body.
     pub(super) lower: u32,
-    /// Direction of the force.
-    pub(super) normal: Vec3,
+    /// Force on the supported body, of which one along the normal is a unit: see [`with_friction`].
+    pub(super) push: Vec3,
     /// From the centre of mass of the supported body [m].
     pub(super) arm: Vec3,
     /// From that of the supporting body, if it is dynamic [m].
@@ -27,12 +27,22 @@ pub(super) struct PointLoad {
     pub(super) pulls: bool,
 }
 
+/// The force with which a surface bears a body at rest, of which one along its unit `normal` is a unit: straight
+/// up, as far as static friction allows. On a slope a weight presses with its cosine, not with the inverse of it.
+pub(super) fn with_friction(normal: Vec3, up: Vec3, friction: f32) -> Vec3 {
+    let steep = normal.dot(up);
+    let along = up - normal * steep;
+    let sine = along.length();
+    // The force that is straight up is `up / steep`, with `sine / steep` along the surface.
+    if sine <= friction * steep { up / steep } else { normal + along * (friction / sine) }
+}
+
 /// Sets the forces of points that balance a force and a moment about the centre of mass of the body above
 /// them: those of equal springs under a rigid body, none of which pulls.
 ///
 /// These are also the smallest such forces (in the sum of squares), and those that the springs of the
 /// contacts have at rest, so that a resting body starts where it stays. Only forces upwards and moments about
-/// level axes are balanced: horizontal forces are left to friction.
+/// level axes are balanced: horizontal forces of surfaces too steep for their friction are left.
 pub(super) fn distribute(
     points: &mut [PointLoad],
     force: Vec3,
@@ -43,7 +53,7 @@ pub(super) fn distribute(
     let reach = points.iter().fold(f32::MIN_POSITIVE, |reach, p| reach.max(p.arm.length()));
     let level = |v: Vec3| Vec3::new(0.0, v.dot(level_axes[0]), v.dot(level_axes[1])) / reach;
     for point in points.iter_mut() {
-        point.row = level(point.arm.cross(point.normal)) + Vec3::X * point.normal.dot(up);
+        point.row = level(point.arm.cross(point.push)) + Vec3::X * point.push.dot(up);
     }
     let load = level(moment) + Vec3::X * force.dot(up);
     for _ in 0..points.len() {
@@ -76,7 +86,7 @@ mod tests {
 
     fn forces(at: &[[f32; 2]], force: f32, moment: Vec3) -> Vec<f32> {
         let point = |&[x, z]: &[f32; 2]| PointLoad {
-            normal: Vec3::Y,
+            push: Vec3::Y,
             arm: Vec3::new(x, -0.5, z),
             ..PointLoad::default()
         };

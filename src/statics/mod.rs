@@ -20,7 +20,7 @@ use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Category, buffers, bytes_of};
 use crate::narrow_phase::{CHANGED_LOAD, ContactMut, ContactRef, Contacts};
 pub(crate) use again::Remains;
-use distribute::{PointLoad, distribute};
+use distribute::{PointLoad, distribute, with_friction};
 use glam::{DVec3, Vec3};
 
 /// Finding new contacts means checking all of them, so after a search as many steps pass as there are so many
@@ -200,13 +200,14 @@ impl Structure<'_> {
                 } else {
                     (centre - below).as_vec3()
                 };
+                let push = with_friction(support.upwards(contact), rest.up, self.friction(contact));
                 for (i, point) in contact.points().iter().enumerate() {
                     let arm = origin + contact.frame * point.position;
                     let load = PointLoad {
                         contact: support.contact,
                         point: i as u32,
                         lower: support.lower,
-                        normal: support.upwards(contact),
+                        push,
                         arm,
                         arm_below: to_below + arm,
                         ..PointLoad::default()
@@ -219,12 +220,18 @@ impl Structure<'_> {
             distribute(points, -force, -moment, rest.up, axes);
             for point in points.iter() {
                 let Some(&lower) = places.get(point.lower as usize) else { continue };
-                burdens[lower as usize].add(point.normal * -point.force, point.arm_below);
+                burdens[lower as usize].add(point.push * -point.force, point.arm_below);
             }
             for forces in points.chunk_by(|x, y| x.contact == y.contact) {
                 assume(&mut self.contacts.at_mut(forces[0].contact), forces, rest);
             }
         }
+    }
+
+    /// Its coefficient of static friction.
+    fn friction(&self, contact: ContactRef<'_>) -> f32 {
+        let [a, b] = [contact.a, contact.b].map(|c| &self.colliders.all[c as usize]);
+        a.material.friction_with(&b.surface(contact.material)).0
     }
 
     /// From a body's centre of mass to the point from which its contact's points are counted; `is_a`: the
