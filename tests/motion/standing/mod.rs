@@ -5,5 +5,6 @@ mod jenga;
 mod kinds;
 mod order;
 mod rest;
+mod slopes;
 mod stability;
 mod tower;
