@@ -1,8 +1,8 @@
 //! Options of commands that measure: stability, extremes, methods of the lab, cases and published
 //! measurements.
 
-use super::{MethodArgs, ReturnArgs};
 use super::values::*;
+use super::{MethodArgs, ReturnArgs};
 use backstop::{FrictionCone, FrictionModel, Settings};
 use backstop_lab::impacts::{Body, Law};
 use backstop_lab::methods::{Friction, Method};

@@ -44,9 +44,8 @@ fn random_face(random: &mut Random, kind: usize) -> Vec<Point> {
         4 => {
             let centres: Vec<_> =
                 (0..3 + random.below(4)).map(|_| on_circle(TAU * unit(random), [0.5, 0.5])).collect();
-            let near = |c: &[f64; 2], random: &mut Random| {
-                [0, 1].map(|k| c[k] + 0.04 * f64::from(random.signed()))
-            };
+            let near =
+                |c: &[f64; 2], random: &mut Random| [0, 1].map(|k| c[k] + 0.04 * f64::from(random.signed()));
             (0..4).flat_map(|_| centres.iter().map(|c| near(c, random)).collect::<Vec<_>>()).collect()
         }
         _ => (0..5 + random.below(26))
@@ -147,8 +146,9 @@ fn pushed(points: &[Point], kept: &[usize]) -> f64 {
 const MEASURES: usize = 4;
 
 fn measures(points: &[Point], kept: &[usize]) -> [f64; MEASURES] {
-    Loss::new(points, kept, DVec3::Y)
-        .map_or([0.0; MEASURES], |loss| [1.0 - loss.area, 1.0 - loss.reach, 1.0 - loss.mean_reach, loss.outside])
+    Loss::new(points, kept, DVec3::Y).map_or([0.0; MEASURES], |loss| {
+        [1.0 - loss.area, 1.0 - loss.reach, 1.0 - loss.mean_reach, loss.outside]
+    })
 }
 
 /// The table of `docs/methods.md`. The engine's reduction has the exchange of corners, and loses no more than
@@ -163,9 +163,8 @@ fn exchange_of_corners_loses_less_than_corner_after_corner() {
         const FACES: u32 = 200;
         for _ in 0..FACES {
             let points = random_face(&mut random, kind);
-            let of_best = |deepest| {
-                [0, 1, 2, 3].map(|k| best(&points, deepest, |kept| measures(&points, kept)[k]))
-            };
+            let of_best =
+                |deepest| [0, 1, 2, 3].map(|k| best(&points, deepest, |kept| measures(&points, kept)[k]));
             let found = [
                 measures(&points, &reduce(&points, Keep::Most(4))),
                 measures(&points, &least_corner_first(&points)),
@@ -206,6 +205,16 @@ fn no_four_corners_of_a_hexagon_are_better() {
     for (measure, exact) in [(found[0], 1.0 / 3.0), (least[0], 1.0 / 3.0), (found[1], 0.5), (least[1], 0.5)] {
         assert!((measure - exact).abs() < 1e-4, "{measure}, expected {exact}");
     }
+    // Two corners and the middles of two sides reach further than any corners do: a random search found no
+    // better four points.
+    let side = |t: f64| {
+        let (from, to) = (corner(t as usize), corner(t as usize + 1));
+        [0, 1].map(|k| from[k] + (t - t.floor()) * (to[k] - from[k]))
+    };
+    let with_sides = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 1.0, 2.5, 4.0, 5.5].map(side);
+    let of_sides = Loss::new(&face(&with_sides, |_, _| 0.005), &[6, 7, 8, 9], DVec3::Y).unwrap();
+    println!("two corners and the middles of two sides: least reach {:.3}", of_sides.reach);
+    assert!((of_sides.reach - 2.0 / 3.0).abs() < 2e-3, "{of_sides:?}");
     let (off, least) = (pushed(&points, &kept), best(&points, false, |kept| pushed(&points, kept)));
     println!("hexagon, worst impact of 16: off by {off:.3}, best four corners {least:.3}");
     assert!(off < least + 0.03 && least > 0.33, "{off}, {least}");

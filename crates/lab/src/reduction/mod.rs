@@ -145,7 +145,9 @@ fn reduce_cluster(points: &[Point], cluster: &[usize], keep: Keep) -> Vec<usize>
             spread(&left.map(|(_, &i)| flat(&points[i], plane)).collect::<Vec<_>>())
         };
         let able = (0..corners.len()).filter(|&k| corners[k] != deepest);
-        let Some(gone) = able.max_by(|&a, &b| without(a).total_cmp(&without(b)).then(b.cmp(&a))) else { break };
+        let Some(gone) = able.max_by(|&a, &b| without(a).total_cmp(&without(b)).then(b.cmp(&a))) else {
+            break;
+        };
         corners.remove(gone);
     }
     corners

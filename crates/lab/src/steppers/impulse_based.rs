@@ -123,9 +123,12 @@ impl Flight<'_> {
         (most, left)
     }
 
-    /// The speeds at which a point separates that arrives with this one: of a hop, and by restitution.
+    /// The speeds at which a point separates that arrives with this one: of a hop, and by restitution. Bodies
+    /// on each other fall alike between collisions, so the hop is that of the fastest fall of all points: by
+    /// their own they would not part, and collide without end.
     fn parting(&self, i: usize, speed: f64) -> [f64; 2] {
-        let hop = self.fall[i].abs() * self.points.dt / (2.0 * HOPS);
+        let fall = self.fall.iter().fold(0.0, |most: f64, fall| most.max(fall.abs()));
+        let hop = fall * self.points.dt / (2.0 * HOPS);
         let bounces = -speed > self.points.threshold;
         [hop, if bounces { self.points.laws[i].restitution * -speed } else { 0.0 }]
     }
@@ -141,7 +144,8 @@ impl Flight<'_> {
         let at_once: Vec<usize> = (0..laws.len()).filter(meets).collect();
         let offset = |&k: &usize| {
             let speed = moving.speed(laws[k].first);
-            if speed < 0.0 { -self.parting(k, speed).into_iter().fold(0.0, f64::max) } else { 0.0 }
+            // One at rest hops, or it would arrive again at once.
+            if speed <= 0.0 { -self.parting(k, speed).into_iter().fold(0.0, f64::max) } else { 0.0 }
         };
         let offsets: Vec<f64> = at_once.iter().map(offset).collect();
         give(moving, &at_once, |_| 0.0, &offsets, impulses);

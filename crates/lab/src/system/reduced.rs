@@ -8,11 +8,7 @@ use std::collections::BTreeMap;
 
 /// The same system with some of the points of each two bodies, and for each of its rows what `of` has for
 /// that row. Friction of a patch stays as long as one of its points does.
-pub(crate) fn reduced(
-    system: &System,
-    of: &[Option<usize>],
-    keep: Keep,
-) -> (System, Vec<Option<usize>>) {
+pub(crate) fn reduced(system: &System, of: &[Option<usize>], keep: Keep) -> (System, Vec<Option<usize>>) {
     let stays = stays(system, keep);
     let mut out = System {
         dt: system.dt,

@@ -12,6 +12,7 @@ mod lcp;
 mod penalty;
 mod problems;
 mod ragdoll;
+mod reduction;
 mod retroactive;
 mod rolling_and_couplings;
 mod simbench;
