@@ -141,8 +141,8 @@ fn pushed(points: &[Point], kept: &[usize]) -> f64 {
     worst_of_tipping(points, &kept, 0.0)
 }
 
-/// Shares that are lost: of area, of the least reach and of the mean reach; and how far outside of the hull the
-/// centre of pressure is.
+/// Shares that are lost: of area, of the least reach and of the mean reach; and how far outside of the hull
+/// the centre of pressure is.
 const MEASURES: usize = 4;
 
 fn measures(points: &[Point], kept: &[usize]) -> [f64; MEASURES] {

@@ -1,8 +1,8 @@
 //! What a reduction loses.
 //!
 //! Impulses at points of a plane along its normal are one impulse at their centre of pressure, which can be
-//! anywhere in the convex hull of the points. Hence the torque that they can resist about an axis in the plane
-//! is the impulse times how far the hull reaches across that axis.
+//! anywhere in the convex hull of the points. Hence the torque that they can resist about an axis in the
+//! plane is the impulse times how far the hull reaches across that axis.
 
 use super::{Point, flat, hull, turn};
 use glam::DVec3;

@@ -1,11 +1,12 @@
 //! Contact reduction: a few points that have the effect of many.
 //!
 //! Points of a pair of bodies are clustered by normals and positions (k-means, iterated until no point
-//! changes its cluster; Moravánszky and Terdiman, *Fast contact reduction for dynamics simulation*, 2004). Each
-//! cluster is projected onto its plane, and the corners of its convex hull are kept, or four of them, which the
-//! engine's own reduction chooses. By the equivalence principle of rigid bodies, points inside the hull of
-//! others change nothing: any wrench of theirs can come from the corners. So motion stays the same after a
-//! reduction to the whole hull, but maybe not after a further one (`docs/methods.md` says by how much).
+//! changes its cluster; Moravánszky and Terdiman, *Fast contact reduction for dynamics simulation*, 2004).
+//! Each cluster is projected onto its plane, and the corners of its convex hull are kept, or four of them,
+//! which the engine's own reduction chooses. By the equivalence principle of rigid bodies, points inside the
+//! hull of others change nothing: any wrench of theirs can come from the corners. So motion stays the same
+//! after a reduction to the whole hull, but maybe not after a further one (`docs/methods.md` says by how
+//! much).
 
 #[cfg(test)]
 mod comparison;
@@ -47,8 +48,8 @@ pub enum Keep {
     Most(usize),
 }
 
-/// The points to keep of each cluster, by their indices in ascending order. The deepest of a cluster is always
-/// among them, or one as deep to 1e-4 of its extent. Points that are not finite are left out.
+/// The points to keep of each cluster, by their indices in ascending order. The deepest of a cluster is
+/// always among them, or one as deep to 1e-4 of its extent. Points that are not finite are left out.
 pub fn reduce(points: &[Point], keep: Keep) -> Vec<usize> {
     let sound = |&i: &usize| {
         let point = &points[i];

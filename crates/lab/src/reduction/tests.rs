@@ -89,9 +89,9 @@ fn four_points_bear_what_falls_flat() {
     }
 }
 
-/// Shapes with four corners move the same without friction. Of more corners some are left out, and a body that
-/// tips by one of these tips earlier; no four corners do better by more than a twentieth. With friction even
-/// equal wrenches differ, as loads that are not unique do.
+/// Shapes with four corners move the same without friction. Of more corners some are left out, and a body
+/// that tips by one of these tips earlier; no four corners do better by more than a twentieth. With friction
+/// even equal wrenches differ, as loads that are not unique do.
 #[test]
 fn four_points_move_a_body_nearly_as_the_best_four_do() {
     for (name, points, corners) in shapes() {

@@ -5,8 +5,8 @@
 //! the order of bodies, so that the order of contacts changes nothing. With low restitution the sequence may
 //! have no end (McNamara and Young 1992): each pair is counted, loses half of its restitution each
 //! [`Effort::calm`] impacts and all of it after four times as many, and when a pair has had [`MAX_IMPACTS`]
-//! impacts, those that still approach are brought to rest together. [`Effort::order`] may be another, or none:
-//! then all bounce together.
+//! impacts, those that still approach are brought to rest together. [`Effort::order`] may be another, or
+//! none: then all bounce together.
 //!
 //! Then bodies take gravity and forces, and sequential impulses without restitution go on until the greatest
 //! change of a velocity by an impulse is below the tolerance, or the sweeps run out (Catto 2005): the fastest

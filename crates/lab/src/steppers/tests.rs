@@ -88,8 +88,8 @@ fn a_sequence_of_impacts_keeps_momentum_and_energy() {
     assert!((before.1 / after.1 - 1.0).abs() < 1e-12, "{} and {}", before.1, after.1);
 }
 
-/// A cube of 1 m that falls flat by half a metre, by `impulse-based`: its fastest rotation within a second, and
-/// the most collisions in a step.
+/// A cube of 1 m that falls flat by half a metre, by `impulse-based`: its fastest rotation within a second,
+/// and the most collisions in a step.
 fn falls_flat(order: Order, restitution: f32, boxes: u32) -> (f32, u64) {
     let mut world = World::new(Settings::default()).unwrap();
     let material = Material::default().with_friction(0.5).with_restitution(restitution);
@@ -113,8 +113,8 @@ fn falls_flat(order: Order, restitution: f32, boxes: u32) -> (f32, u64) {
     (spin, events)
 }
 
-/// Corners of a cube that falls flat collide one after the other, so it turns by some of its speed (3.1 m/s at
-/// 0.7 m) although it falls straight. Together they stop or bounce it without a turn, and with fewer
+/// Corners of a cube that falls flat collide one after the other, so it turns by some of its speed (3.1 m/s
+/// at 0.7 m) although it falls straight. Together they stop or bounce it without a turn, and with fewer
 /// collisions.
 #[test]
 fn a_box_that_falls_flat_turns_unless_its_corners_collide_together() {

@@ -7,9 +7,9 @@ use backstop_lab::reduction::Keep;
 use backstop_lab::{MethodOptions, WorldMethod};
 use std::sync::Arc;
 
-/// At rest, four of six feet bear a stool up to two thirds of the slope on which it tips (R / 2 / cos 30 beside R
-/// cos 30). In motion a foot that is left out sinks until it is the deepest, and is kept. Measured: 3 % below
-/// the slope; with all corners 0.2 %.
+/// At rest, four of six feet bear a stool up to two thirds of the slope on which it tips (R / 2 / cos 30
+/// beside R cos 30). In motion a foot that is left out sinks until it is the deepest, and is kept. Measured:
+/// 3 % below the slope; with all corners 0.2 %.
 #[test]
 fn a_stool_with_fewer_points_tips_nearly_where_it_should() {
     let case = Case::by_name("stool").unwrap();
@@ -22,8 +22,8 @@ fn a_stool_with_fewer_points_tips_nearly_where_it_should() {
     }
 }
 
-/// The least slope, to a thousandth, on which a prism with a hexagonal face tips within three seconds, towards
-/// one of its sides or corners; as a share of the slope of rigid statics.
+/// The least slope, to a thousandth, on which a prism with a hexagonal face tips within three seconds,
+/// towards one of its sides or corners; as a share of the slope of rigid statics.
 fn tips_at(towards: u32) -> f64 {
     const RADIUS: f64 = 0.4;
     const HEIGHT: f64 = 0.6;
@@ -59,8 +59,8 @@ fn tips_at(towards: u32) -> f64 {
     0.5 * (low + high)
 }
 
-/// By the engine alone, which has four points of the face: statics of these would bear a half to two thirds of
-/// the slope towards corners that are left out. Measured: at least 0.871.
+/// By the engine alone, which has four points of the face: statics of these would bear a half to two thirds
+/// of the slope towards corners that are left out. Measured: at least 0.871.
 #[test]
 fn a_hexagonal_prism_on_four_points_tips_nearly_where_it_should() {
     for towards in 0..12 {
