@@ -35,6 +35,8 @@ pub(crate) use contacts::store::{ContactCount, Contacts, SharedContacts};
 pub(crate) use contacts::weight::Scale;
 pub(crate) use convex::collide_convex;
 pub(crate) use convex::gjk::{Accuracy, CoreGap, core_gap, distance};
+#[cfg(feature = "observe")]
+pub(crate) use convex::reduce::reduce;
 pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use input::Input;
 pub(crate) use mesh::reach::Reach;

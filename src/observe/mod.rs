@@ -6,6 +6,7 @@
 //!   got ([`Solved`]).
 //! - [`StateLayout`]: the state of a world at rest as numbers, to be displaced.
 //! - [`BodyState`]: mass, inertia and motion of a body, as the solver has them.
+//! - [`kept_points`]: which points of a contact the engine keeps.
 //! - [`paths`]: where bodies went in the last step, and whether they got through something.
 //!
 //! A game has no use for any of it. Without the feature `observe` there is no code for it; with it, but
@@ -14,12 +15,14 @@
 mod body;
 mod law;
 pub mod paths;
+mod reduction;
 mod state;
 mod system;
 mod watch;
 
 pub use body::BodyState;
 pub use law::Law;
+pub use reduction::kept_points;
 pub use state::{BODY_VARIABLES, StateLayout};
 pub use system::{
     JointRow, Owner, SIDES, System, SystemBody, SystemIsland, SystemLaw, SystemRow, Velocity, joint_rows,

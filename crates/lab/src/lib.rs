@@ -50,6 +50,7 @@ mod world_solver;
 
 pub use growth::growth;
 pub use meter::{Accuracy, IslandAccuracy, LabWorld, Measures};
+use meter::{meter_of, put_meter};
 pub use rest::{Rest, find_rest};
 pub use world_solver::{Guess, MethodOptions, SolverReport, WorldMethod, WorldSolver};
 

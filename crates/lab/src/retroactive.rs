@@ -7,9 +7,10 @@
 //! returns the rest of the step is taken without a check: one bad impact is better than a game that stands
 //! still.
 
-use crate::LabWorld;
+use crate::{LabWorld, WorldMethod, meter_of, put_meter};
 use backstop::Error;
 use backstop::Snapshot;
+use backstop::StepReport;
 use backstop::World;
 use backstop::limits::MIN_STEP;
 use backstop::limits::positive;
@@ -23,8 +24,15 @@ pub struct Retroactive {
     pub rounds: u32,
 }
 
+impl Default for Retroactive {
+    /// A millimetre, and eight returns.
+    fn default() -> Retroactive {
+        Retroactive { tolerance: 1e-3, rounds: 8 }
+    }
+}
+
 /// Counts of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Returns {
     /// Steps that were taken and kept.
     pub steps: u32,
@@ -32,10 +40,19 @@ pub struct Returns {
     pub undone: u32,
     /// Whether the rounds ran out before the end of the step.
     pub gave_up: bool,
+    /// The report of the last part of the step.
+    pub report: StepReport,
 }
 
 impl Retroactive {
-    /// Moves a world on by `dt` seconds. Measuring its accuracy is switched off afterwards.
+    /// Whether it is of use where a method of the lab solves the steps: methods that let bodies bear on each
+    /// other by overlap would be taken back from every load.
+    pub fn serves(method: WorldMethod) -> bool {
+        !matches!(method, WorldMethod::Step(stepper) if stepper.yields)
+    }
+
+    /// Moves a world on by `dt` seconds. If accuracy is measured, it is afterwards that of the last part of
+    /// the step; the system of rows is that of a search for overlap.
     ///
     /// # Errors
     /// If `dt` can't be a step's, or the tolerance is not positive.
@@ -47,10 +64,12 @@ impl Retroactive {
         let mut deep = overlap(world)?;
         while left >= MIN_STEP {
             world.snapshot(&mut start);
+            let meter = meter_of(world);
             let most = deep.max(0.0) + self.tolerance;
-            let attempt = |world: &mut World, time: f32| -> Result<f64, Error> {
+            let mut attempt = |world: &mut World, time: f32| -> Result<f64, Error> {
                 world.restore(&start)?;
-                world.step(time)?;
+                put_meter(world, meter.clone());
+                returns.report = *world.step(time)?;
                 overlap(world)
             };
             let mut time = left;
@@ -95,14 +114,15 @@ const BISECTIONS: u32 = 24;
 /// Precision of the time of impact as a share of the step.
 const NEAR: f32 = 1e-4;
 
-/// The deepest overlap at the present poses [m]; the world stays unchanged.
+/// The deepest overlap at the present poses [m]; the world stays unchanged, but for the system of its rows.
 fn overlap(world: &mut World) -> Result<f64, Error> {
     let mut here = Snapshot::default();
     world.snapshot(&mut here);
+    let meter = meter_of(world);
     world.measure_accuracy(true);
     let stepped = world.step(MIN_STEP).map(drop);
     let deep = world.accuracy().map_or(0.0, |accuracy| accuracy.whole.penetration);
-    world.measure_accuracy(false);
+    put_meter(world, meter);
     world.restore(&here)?;
     stepped.map(|()| deep)
 }

@@ -2,8 +2,10 @@
 
 use super::WorldSolver;
 use super::envelope::{Conditions, Trial};
+use super::retroactive::Retroactive;
 use crate::LabWorld;
 use backstop::BodyHandle;
+use backstop::ContinuousMode;
 use backstop::Error;
 use backstop::Settings;
 use backstop::World;
@@ -59,14 +61,23 @@ impl Structure {
     }
 
     /// Runs it under a method, or under the fast path alone, with steps of `dt` seconds. Islands are solved
-    /// as `solver` says.
+    /// as `solver` says; with retroactive detection there is no continuous collision.
     ///
     /// # Errors
     /// If `dt` can't be a step's, or `seconds` is not in 0..=3600.
-    pub fn run(self, solver: Option<WorldSolver>, dt: f32, seconds: f32) -> Result<Outcome, Error> {
+    pub fn run(
+        self,
+        solver: Option<WorldSolver>,
+        retroactive: Option<Retroactive>,
+        dt: f32,
+        seconds: f32,
+    ) -> Result<Outcome, Error> {
         within("seconds", seconds, 0.0, 3600.0, "in 0..=3600")?;
         backstop::limits::step(dt)?;
         let (mut world, bodies) = self.build()?;
+        if retroactive.is_some() {
+            world.set_settings(world.settings().clone().with_continuous(ContinuousMode::Discrete))?;
+        }
         world.solve_with(solver);
         world.measure_accuracy(true);
         let start: Vec<DVec3> = bodies.iter().map(|&body| world.position(body)).collect::<Result<_, _>>()?;
@@ -75,7 +86,10 @@ impl Structure {
         let mut energy = None;
         for _ in 0..(seconds / dt).round().max(1.0) as u32 {
             let begin = Instant::now();
-            world.step(dt)?;
+            match retroactive {
+                Some(way) => drop(way.step(&mut world, dt)?),
+                None => drop(world.step(dt)?),
+            }
             times.push(begin.elapsed().as_secs_f64());
             if let Some(accuracy) = world.accuracy() {
                 let measures = &accuracy.whole;

@@ -1,8 +1,8 @@
 //! Options of commands that measure: stability, extremes, methods of the lab, cases and published
 //! measurements.
 
-use super::MethodArgs;
 use super::values::*;
+use super::{MethodArgs, ReturnArgs};
 use backstop::{FrictionCone, FrictionModel, Settings};
 use backstop_lab::impacts::{Body, Law};
 use backstop_lab::methods::{Friction, Method};
@@ -115,6 +115,8 @@ pub(crate) struct MethodsOptions {
     pub(crate) tolerance: f64,
     #[command(flatten)]
     pub(crate) methods: MethodArgs,
+    #[command(flatten)]
+    pub(crate) returns: ReturnArgs,
     /// Print one JSON document instead of a table (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -141,6 +143,9 @@ pub(crate) struct SolveOptions {
     /// Over-relaxation of psor.
     #[arg(long, value_name = "W", default_value_t = 1.3, value_parser = relaxation)]
     pub(crate) relaxation: f64,
+    /// Impulses that the method starts from: zero, or the solution in a document of `solve --json`.
+    #[arg(long, value_name = "FILE.json", default_value = "zero")]
+    pub(crate) guess: PathBuf,
     /// Describe the methods and solve nothing.
     #[arg(long)]
     pub(crate) list: bool,
@@ -260,6 +265,8 @@ pub(crate) struct CaseOptions {
     pub(crate) friction_model: Option<FrictionModel>,
     #[command(flatten)]
     pub(crate) lab: MethodArgs,
+    #[command(flatten)]
+    pub(crate) returns: ReturnArgs,
     /// Runs at once [default: one per core].
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) jobs: Option<usize>,

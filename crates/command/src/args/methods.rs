@@ -1,16 +1,19 @@
 //! What methods of the lab leave to choose: the same options for all commands that have one.
 
-use super::values::{friction, named_of, not_negative, relaxation};
+use super::values::{friction, named_of, not_negative, positive_f64, relaxation};
+use anyhow::bail;
 use backstop_lab::methods::{Friction, Order};
-use backstop_lab::{Guess, MethodOptions, WorldSolver};
+use backstop_lab::reduction::Keep;
+use backstop_lab::retroactive::Retroactive;
+use backstop_lab::{Guess, MethodOptions, WorldMethod, WorldSolver};
 use clap::Args;
 
 /// Options of the lab's methods (docs/lecture.md); a method leaves those that it does not know alone.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(crate) struct MethodArgs {
-    /// Impulses that a method starts from: zero, last-step or fast-path.
-    #[arg(long, value_name = "FROM", default_value = "zero", value_parser = guess)]
-    pub(crate) guess: Guess,
+    /// Impulses that a method starts from: zero, last-step or fast-path [default: zero, of avbd last-step].
+    #[arg(long, value_name = "FROM", value_parser = guess)]
+    pub(crate) guess: Option<Guess>,
     /// Friction of contacts, where the method has a choice: cone, pyramid or box.
     #[arg(long = "friction-shape", value_name = "SHAPE", default_value = "cone", value_parser = friction)]
     pub(crate) friction_shape: Friction,
@@ -30,9 +33,37 @@ pub(crate) struct MethodArgs {
     #[arg(long, value_name = "N", default_value_t = 32)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) calm: u32,
-    /// Which pair sequential takes next: fastest, or given, by the order of bodies.
+    /// Which pair sequential takes next: fastest, or given, by the order of bodies; or together, all that
+    /// approach at once, and for impulse-based all points of two bodies that meet at one time.
     #[arg(long, value_name = "ORDER", default_value = "fastest", value_parser = order)]
     pub(crate) order: Order,
+    /// Contact points of two bodies: hull, all corners of their convex hull, or at most 1 to 4 [default: all
+    /// that the engine found, at most four for each two shapes].
+    #[arg(long, value_name = "POINTS", value_parser = keep)]
+    pub(crate) reduce: Option<Keep>,
+}
+
+/// Retroactive detection instead of continuous collision.
+#[derive(Args, Clone, Debug, PartialEq)]
+pub(crate) struct ReturnArgs {
+    /// Detect collisions only where bodies are, and take steps back in which an overlap grows by more than
+    /// this [m].
+    #[arg(long, value_name = "M", value_parser = positive_f64)]
+    pub(crate) retroactive: Option<f64>,
+    /// The most returns in a step.
+    #[arg(long, value_name = "N", default_value_t = Retroactive::default().rounds, requires = "retroactive")]
+    pub(crate) returns: u32,
+}
+
+impl ReturnArgs {
+    /// How steps are taken back by a method of the lab, or by the engine's own; an error if it can't serve.
+    pub(crate) fn of(&self, method: Option<WorldMethod>) -> anyhow::Result<Option<Retroactive>> {
+        let Some(tolerance) = self.retroactive else { return Ok(None) };
+        if let Some(method) = method.filter(|&method| !Retroactive::serves(method)) {
+            bail!("--retroactive can't serve {}: overlap is what its bodies bear on", method.name());
+        }
+        Ok(Some(Retroactive { tolerance, rounds: self.returns }))
+    }
 }
 
 impl MethodArgs {
@@ -46,15 +77,24 @@ impl MethodArgs {
             direction_memory: !self.no_direction_memory,
             calm: self.calm,
             order: self.order,
+            reduce: self.reduce,
         }
     }
 
     /// A method with these; an error if there is none, but some of these.
     pub(crate) fn of(&self, solver: Option<WorldSolver>) -> anyhow::Result<Option<WorldSolver>> {
         if solver.is_none() && self.any() {
-            anyhow::bail!("options of the lab's methods need --solver: the engine's own has none of them");
+            bail!("options of the lab's methods need --solver: the engine's own has none of them");
         }
         Ok(solver.map(|solver| solver.with_options(self.options())))
+    }
+
+    /// An error if some of these are given, and no method is one of the lab.
+    pub(crate) fn check(&self, methods: impl IntoIterator<Item = Option<WorldMethod>>) -> anyhow::Result<()> {
+        if self.any() && methods.into_iter().all(|method| method.is_none()) {
+            bail!("options of the lab's methods need another --method: the engine's own has none of them");
+        }
+        Ok(())
     }
 
     /// Whether any is given: only a method of the lab has them.
@@ -68,5 +108,13 @@ fn guess(text: &str) -> Result<Guess, String> {
 }
 
 fn order(text: &str) -> Result<Order, String> {
-    named_of(text, &[("fastest", Order::Fastest), ("given", Order::Given)])
+    named_of(text, &[("fastest", Order::Fastest), ("given", Order::Given), ("together", Order::Together)])
+}
+
+fn keep(text: &str) -> Result<Keep, String> {
+    match text.parse() {
+        Ok(most @ 1..=4) => Ok(Keep::Most(most)),
+        _ if text == "hull" => Ok(Keep::Hull),
+        _ => Err("must be hull or a number in 1..=4".into()),
+    }
 }

@@ -9,7 +9,7 @@ mod tests;
 mod values;
 
 pub(crate) use lab::*;
-pub(crate) use methods::MethodArgs;
+pub(crate) use methods::{MethodArgs, ReturnArgs};
 pub(crate) use values::*;
 
 use crate::commands::trade::TradeOptions;
@@ -193,6 +193,8 @@ pub(crate) struct RunOptions {
     pub(crate) solver_rows: usize,
     #[command(flatten)]
     pub(crate) methods: MethodArgs,
+    #[command(flatten)]
+    pub(crate) returns: ReturnArgs,
     /// Measure how accurately each step was solved (docs/accuracy.md).
     #[arg(long)]
     pub(crate) accuracy: bool,

@@ -180,3 +180,8 @@ pub(crate) fn named_of<T: Copy>(text: &str, all: &[(&str, T)]) -> Result<T, Stri
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0).ok_or_else(|| "must be at least 0".into())
 }
+
+/// A number above zero, which is finite.
+pub(crate) fn positive_f64(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "must be above 0".into())
+}

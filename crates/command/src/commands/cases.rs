@@ -37,7 +37,9 @@ pub(crate) fn cases(options: &CaseOptions) -> anyhow::Result<()> {
         return output::print(&list(&cases));
     }
     let methods = if options.methods.is_empty() { usual_methods() } else { options.methods.clone() };
-    let columns: Vec<_> = methods.iter().map(|method| settings(options, *method)).collect();
+    options.lab.check(methods.iter().map(|method| method.0))?;
+    let columns: Vec<_> =
+        methods.iter().map(|method| settings(options, *method)).collect::<anyhow::Result<_>>()?;
     let runs = run_all(&cases, &columns, options)?;
     if options.json {
         return output::print_json(&runs);
@@ -54,13 +56,14 @@ fn usual_methods() -> Vec<AnyMethod> {
 }
 
 /// The requested settings, or the usual ones.
-fn settings(options: &CaseOptions, method: AnyMethod) -> Vec<Setting> {
+fn settings(options: &CaseOptions, method: AnyMethod) -> anyhow::Result<Vec<Setting>> {
     let asked =
         options.substeps.is_some() || options.iterations.is_some() || options.friction_model.is_some();
     let lab = options.lab.any().then(|| options.lab.options());
+    let retroactive = options.returns.of(method.0)?;
     if options.hz.is_empty() && !asked {
-        let with = |setting| Setting { options: lab, ..setting };
-        return Setting::usual(method.0).into_iter().map(with).collect();
+        let with = |setting| Setting { options: lab, retroactive, ..setting };
+        return Ok(Setting::usual(method.0).into_iter().map(with).collect());
     }
     let reference = Setting::REFERENCE;
     let at = |dt| Setting {
@@ -70,12 +73,13 @@ fn settings(options: &CaseOptions, method: AnyMethod) -> Vec<Setting> {
         friction: options.friction_model.unwrap_or(reference.friction),
         method: method.0,
         options: lab,
+        retroactive,
     };
-    if options.hz.is_empty() {
+    Ok(if options.hz.is_empty() {
         vec![at(reference.dt)]
     } else {
         options.hz.iter().map(|hz| at(1.0 / hz)).collect()
-    }
+    })
 }
 
 /// Every case at every setting of every method, in this order.

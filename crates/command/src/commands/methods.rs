@@ -30,10 +30,13 @@ pub(crate) fn methods(options: &MethodsOptions) -> anyhow::Result<()> {
     } else {
         options.method.clone()
     };
+    options.methods.check(methods.iter().map(|method| method.0))?;
+    let returns: Vec<_> =
+        methods.iter().map(|method| options.returns.of(method.0)).collect::<anyhow::Result<_>>()?;
     let bar = output::progress(!options.json, (structures.len() * methods.len()) as u64, "runs");
     let mut rows = Vec::new();
     for &structure in &structures {
-        for &method in &methods {
+        for (&method, &retroactive) in methods.iter().zip(&returns) {
             let name = method.name();
             let solver = method.0.map(|method| {
                 let mut solver = WorldSolver {
@@ -46,7 +49,7 @@ pub(crate) fn methods(options: &MethodsOptions) -> anyhow::Result<()> {
                 solver
             });
             let found = structure
-                .run(solver, options.dt, options.seconds)
+                .run(solver, retroactive, options.dt, options.seconds)
                 .with_context(|| format!("can't run {} by {name}", structure.name()))?;
             let Outcome { time, residual, drift, joint_error, gained, refused } = found;
             rows.push(Row {

@@ -12,9 +12,10 @@ use crate::settings_file::SettingsFile;
 use crate::testbed::serve;
 use crate::threads::with_threads;
 use anyhow::{Context, bail};
-use backstop::{BodyHandle, Budget, Settings, World};
+use backstop::{BodyHandle, Budget, ContinuousMode, Settings, World};
 use backstop_lab::LabWorld;
 use backstop_lab::WorldSolver;
+use backstop_lab::retroactive::Retroactive;
 use backstop_lab::system::System;
 use backstop_scene::{self as scene, AtomicFile, Recorder, Scene};
 use backstop_testbed::{FileScene, Session};
@@ -47,6 +48,10 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     let chosen = Chosen::new(options, &scene, file)?;
     if chosen.solver.is_some() && options.record.is_some() {
         bail!("a run that a method of the lab solves can't be recorded: a recording has no word for it");
+    }
+    let steps_only = options.record.is_some() || options.view || options.export_problem.is_some();
+    if chosen.retroactive.is_some() && steps_only {
+        bail!("--retroactive takes steps back, which --record, --view and --export-problem can't");
     }
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
@@ -166,7 +171,10 @@ fn simulate(options: &RunOptions, chosen: &Chosen, scene: &Scene) -> anyhow::Res
         if exports {
             world.measure_accuracy(true);
         }
-        let report = *world.step(dt)?;
+        let report = match chosen.retroactive {
+            Some(way) => way.step(&mut world, dt)?.report,
+            None => *world.step(dt)?,
+        };
         if let (Some(sum), Some(report)) = (&mut trace.solver, world.solver_report()) {
             sum.add(report);
         }
@@ -224,6 +232,7 @@ struct Chosen {
     dt: f32,
     settings: Settings,
     solver: Option<WorldSolver>,
+    retroactive: Option<Retroactive>,
 }
 
 impl Chosen {
@@ -232,6 +241,11 @@ impl Chosen {
         let solver =
             solver.map(|method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) });
         let solver = options.methods.of(solver)?;
+        let retroactive = options.returns.of(solver.as_ref().map(|solver| solver.method))?;
+        if retroactive.is_some() && options.continuous.is_some_and(|mode| mode != ContinuousMode::Discrete) {
+            bail!("--retroactive needs --continuous discrete: by the others no step leaves an overlap");
+        }
+        let discrete = retroactive.map(|_| ContinuousMode::Discrete);
         let base = file.world;
         let settings = base
             .clone()
@@ -239,11 +253,11 @@ impl Chosen {
             .with_substeps(options.substeps.unwrap_or(base.substeps))
             .with_iterations(options.iterations.unwrap_or(base.iterations))
             .with_threads(options.threads.unwrap_or(base.threads))
-            .with_continuous(options.continuous.unwrap_or(base.continuous))
+            .with_continuous(options.continuous.or(discrete).unwrap_or(base.continuous))
             .with_continuous_method(options.method.unwrap_or(base.continuous_method))
             .with_sleeping(options.sleep || base.sleeping)
             .with_budget(options.budget.map_or(base.budget, Budget::total));
-        Ok(Chosen { dt: options.dt.or(file.dt).unwrap_or(SCENE_STEP), settings, solver })
+        Ok(Chosen { dt: options.dt.or(file.dt).unwrap_or(SCENE_STEP), settings, solver, retroactive })
     }
 }
 

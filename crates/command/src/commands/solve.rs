@@ -6,7 +6,7 @@ use crate::report::{output, table};
 use anyhow::Context;
 use backstop_lab::methods::{Effort, Method, Solution, Status};
 use backstop_lab::problem::{File, Form, read_problem};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -42,7 +42,7 @@ pub(crate) fn solve(options: &SolveOptions) -> anyhow::Result<ExitCode> {
         tolerance: options.tolerance,
         iterations: options.iterations,
         friction: options.friction,
-        start: None,
+        start: guess(&options.guess, &file)?,
         relaxation: options.relaxation,
         ..Effort::default()
     };
@@ -67,6 +67,24 @@ pub(crate) fn solve(options: &SolveOptions) -> anyhow::Result<ExitCode> {
     }
     let solved = found.status == Status::Solved;
     Ok(if solved { ExitCode::SUCCESS } else { ExitCode::from(UNSOLVED) })
+}
+
+/// The part of a document of `solve --json` that another run starts from.
+#[derive(Deserialize)]
+struct Guess {
+    solution: Vec<f64>,
+}
+
+/// Impulses to start from, by rows of the problem; none: zero.
+fn guess(path: &Path, file: &File) -> anyhow::Result<Option<Vec<f64>>> {
+    if path == Path::new("zero") {
+        return Ok(None);
+    }
+    let about = || format!("can't start from {}", path.display());
+    let bytes = files::read(path, LARGEST).with_context(about)?;
+    let guess: Guess = serde_json::from_slice(&bytes).with_context(about)?;
+    let rows = file.rows_of(&guess.solution).context("it is the solution of another problem");
+    Ok(Some(rows.with_context(about)?))
 }
 
 /// The solution, and the times of some runs in ascending order [us]: up to five, as many as begin within half

@@ -1,10 +1,11 @@
 //! A case, how its world is stepped, and its outcome.
 
 use crate::LabWorld;
+use crate::retroactive::Retroactive;
 use crate::{MethodOptions, WorldMethod, WorldSolver};
 use backstop::Error;
 use backstop::World;
-use backstop::{FrictionModel, Settings};
+use backstop::{ContinuousMode, FrictionModel, Settings};
 use glam::Vec3;
 
 /// One case: its bodies, the exact answer, and the error that is accepted.
@@ -50,6 +51,8 @@ pub struct Setting {
     pub method: Option<WorldMethod>,
     /// What that method leaves to choose; none: its defaults.
     pub options: Option<MethodOptions>,
+    /// Retroactive detection, in the place of continuous collision.
+    pub retroactive: Option<Retroactive>,
 }
 
 impl Setting {
@@ -61,6 +64,7 @@ impl Setting {
         friction: FrictionModel::Patch,
         method: None,
         options: None,
+        retroactive: None,
     };
 
     /// The settings of the table: the reference, then one thing changed in each; the steps are halved twice.
@@ -100,6 +104,10 @@ impl Setting {
     /// An empty world with these settings.
     pub(super) fn world(&self, settings: Settings) -> Result<World, Error> {
         let Setting { substeps, iterations, friction: friction_model, .. } = *self;
+        let settings = match self.retroactive {
+            Some(_) => settings.with_continuous(ContinuousMode::Discrete),
+            None => settings,
+        };
         let mut world = World::new(
             settings.with_substeps(substeps).with_iterations(iterations).with_friction_model(friction_model),
         )?;

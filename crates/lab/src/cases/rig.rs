@@ -1,6 +1,7 @@
 //! A world with a clock, and bodies that many cases build in it.
 
 use super::case::Setting;
+use crate::retroactive::Retroactive;
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;
@@ -21,6 +22,7 @@ pub(super) struct Rig {
     pub(super) dt: f32,
     /// Time since the start [s].
     pub(super) time: f64,
+    retroactive: Option<Retroactive>,
 }
 
 impl Rig {
@@ -30,7 +32,8 @@ impl Rig {
 
     /// A world with the case's own settings, overridden by those of `setting`.
     pub(super) fn with(setting: &Setting, settings: Settings) -> Result<Rig, Error> {
-        Ok(Rig { world: setting.world(settings)?, dt: setting.dt, time: 0.0 })
+        let Setting { dt, retroactive, .. } = *setting;
+        Ok(Rig { world: setting.world(settings)?, dt, time: 0.0, retroactive })
     }
 
     pub(super) fn add(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
@@ -43,7 +46,10 @@ impl Rig {
     }
 
     pub(super) fn step(&mut self) -> Result<(), Error> {
-        self.world.step(self.dt)?;
+        match self.retroactive {
+            Some(way) => drop(way.step(&mut self.world, self.dt)?),
+            None => drop(self.world.step(self.dt)?),
+        }
         self.time += f64::from(self.dt);
         Ok(())
     }

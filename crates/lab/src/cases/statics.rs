@@ -1,7 +1,7 @@
 //! Structures that hold up to a certain friction or height.
 
 use super::case::{Case, Outcome, Setting};
-use super::rig::{DOWN, G, Rig, dynamic, shape, smooth, surface, tilted};
+use super::rig::{DOWN, G, Rig, dynamic, lump, shape, smooth, surface, tilted};
 use super::watch::threshold;
 use backstop::BodyDesc;
 use backstop::Error;
@@ -44,6 +44,15 @@ pub(super) const CASES: &[Case] = &[
         unit: "",
         bar: 0.05,
         measure: wedge,
+    },
+    Case {
+        name: "stool",
+        about: "a stool on six feet in a regular hexagon: the slope on which it tips over two of them, of six \
+            directions the least",
+        formula: "tan b = R cos(30) / h",
+        unit: "",
+        bar: 0.02,
+        measure: stool,
     },
 ];
 
@@ -165,4 +174,37 @@ fn wedge(setting: &Setting) -> Result<Outcome, Error> {
         Ok(true)
     })?;
     Ok(Outcome::of(want, found))
+}
+
+/// Radius of the feet, and of the circle on which they are [m].
+const FOOT: f64 = 0.05;
+const CIRCLE: f64 = 0.4;
+
+fn stool(setting: &Setting) -> Result<Outcome, Error> {
+    // Height of the centre of mass above the floor [m].
+    const HEIGHT: f64 = 0.6;
+    let side = |k: i32| f64::from(60 * k + 30).to_radians();
+    let want = CIRCLE * libm::cos(side(0)) / HEIGHT;
+    let mut least = f64::INFINITY;
+    for k in 0..6 {
+        let found = threshold([0.5 * want, 1.5 * want], 8, |slope| {
+            let (sin, cos) = libm::sincos(libm::atan(slope));
+            let (z, x) = libm::sincos(side(k));
+            let gravity = DVec3::new(sin * x, -cos, sin * z) * G;
+            let mut rig = Rig::new(setting, gravity.as_vec3())?;
+            rig.floor(surface(2.0, 0.0))?;
+            let mut body = lump(10.0, DVec3::splat(0.5)).with_position(DVec3::Y * HEIGHT);
+            for foot in 0..6 {
+                let (z, x) = libm::sincos(f64::from(60 * foot).to_radians());
+                let place = DVec3::new(CIRCLE * x, FOOT - HEIGHT, CIRCLE * z).as_vec3();
+                let ball = shape(Geometry::Sphere { radius: FOOT as f32 }, surface(2.0, 0.0));
+                body = body.with_shape(ball.with_position(place));
+            }
+            let body = rig.add(&body)?;
+            rig.until(3.0, |rig| Ok((rig.turn(body)? * DVec3::Y).y < 0.99))
+        })?;
+        // The first NaN stays.
+        least = if least.is_nan() || found.is_nan() { f64::NAN } else { least.min(found) };
+    }
+    Ok(Outcome::of(want, least))
 }

@@ -128,8 +128,8 @@ pub struct Accuracy {
 }
 
 /// State of the meter within a step.
-#[derive(Debug, Default)]
-struct Meter {
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Meter {
     /// Energy of each dynamic body before the step [J].
     energy: Vec<f64>,
     accuracy: Option<Accuracy>,
@@ -139,7 +139,7 @@ struct Meter {
 }
 
 /// A method that solves the world, and its state from step to step.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Solving {
     solver: WorldSolver,
     report: SolverReport,
@@ -168,6 +168,19 @@ impl Meter {
 fn meter(world: &World) -> Option<&Meter> {
     let observer: &dyn Any = world.observer()?;
     observer.downcast_ref()
+}
+
+/// A copy of the meter of a world, with the state of the method that solves it: no part of a snapshot.
+pub(crate) fn meter_of(world: &World) -> Option<Meter> {
+    meter(world).cloned()
+}
+
+/// Gives a world the meter that it had.
+pub(crate) fn put_meter(world: &mut World, meter: Option<Meter>) {
+    match meter {
+        Some(meter) => world.observe(Some(Box::new(meter))),
+        None => world.observe(None),
+    }
 }
 
 /// Changes the meter of a world, which may be made for that; it goes if it is there for nothing.

@@ -53,7 +53,7 @@ pub enum Friction {
     Box,
 }
 
-/// The order in which `sequential` visits pairs of bodies.
+/// The order in which `sequential` visits pairs of bodies, and `impulse-based` points that meet at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
     /// The fastest approach first, in impacts and in each sweep.
@@ -61,6 +61,8 @@ pub enum Order {
     Fastest,
     /// By the order of bodies.
     Given,
+    /// At once: all pairs that approach, and all points of two bodies that meet at one time.
+    Together,
 }
 
 /// Limits on the work of a method, and its start.
@@ -83,7 +85,7 @@ pub struct Effort {
     /// Impacts of a pair after which `sequential` halves its restitution; it loses all of it after four times
     /// as many. At least 1. Default 32.
     pub calm: u32,
-    /// The order in which `sequential` visits pairs.
+    /// The order of what `sequential` and `impulse-based` take one after the other.
     pub order: Order,
 }
 

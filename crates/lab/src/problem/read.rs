@@ -56,6 +56,23 @@ impl File {
         }
     }
 
+    /// A value for each row of the problem, zero for those that the file has not: the way back from
+    /// [`File::unknowns`]. None if there is another number of them, or one is not finite.
+    pub fn rows_of(&self, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let rows: Vec<f64> = match self.form {
+            Form::PlaneContacts => unknowns.chunks(2).flat_map(|c| c.iter().copied().chain([0.0])).collect(),
+            Form::RollingContacts => unknowns
+                .chunks(5)
+                .flat_map(|c| {
+                    let (point, moments) = c.split_at(c.len().min(3));
+                    point.iter().copied().chain([0.0]).chain(moments.iter().copied()).chain([0.0])
+                })
+                .collect(),
+            Form::Complementarity | Form::Contacts => unknowns.to_vec(),
+        };
+        (rows.len() == self.problem.rows() && rows.iter().all(|r| r.is_finite())).then_some(rows)
+    }
+
     /// Contacts of a file: `w` and `q` have `dimensions` rows for each coefficient of `mu`, normal first.
     pub fn of_contacts(
         dimensions: usize,

@@ -1,15 +1,22 @@
 //! Contact reduction: a few points that have the effect of many.
 //!
 //! Points of a pair of bodies are clustered by normals and positions (k-means, iterated until no point
-//! changes its cluster). Each cluster is projected onto its plane, and the corner of its convex hull whose
-//! removal costs the least area is removed, until as few are left as requested (Moravánszky and Terdiman,
-//! *Fast contact reduction for dynamics simulation*, 2004). By the equivalence principle of rigid bodies,
-//! points inside the hull of others change nothing: any wrench of theirs can come from the corners. So motion
-//! stays the same after a reduction to the whole hull, but maybe not after a further one (`docs/methods.md`
-//! says by how much).
+//! changes its cluster; Moravánszky and Terdiman, *Fast contact reduction for dynamics simulation*, 2004).
+//! Each cluster is projected onto its plane, and the corners of its convex hull are kept, or four of them,
+//! which the engine's own reduction chooses. By the equivalence principle of rigid bodies, points inside the
+//! hull of others change nothing: any wrench of theirs can come from the corners. So motion stays the same
+//! after a reduction to the whole hull, but maybe not after a further one (`docs/methods.md` says by how
+//! much).
+
+#[cfg(test)]
+mod comparison;
+mod loss;
+
+pub use loss::Loss;
 
 use crate::methods::{Effort, Solution, admm};
 use crate::problem::{Law, Matrix, Problem};
+use backstop::observe::kept_points;
 use glam::{DMat3, DVec3};
 
 /// A point at which two bodies touch.
@@ -27,12 +34,23 @@ pub struct Point {
 const SAME: f64 = 0.0872;
 /// The most clusters.
 const CLUSTERS: usize = 4;
+/// As many points as the engine leaves.
+const ENGINE: usize = 4;
 /// The most rounds of k-means, in case two equally good clusterings alternate.
 const ROUNDS: usize = 100;
 
-/// The points to keep, at most `most` of each cluster and at least 1, by their indices in ascending order.
-/// The deepest of a cluster is always among them. Points that are not finite are left out.
-pub fn reduce(points: &[Point], most: usize) -> Vec<usize> {
+/// Which points of a cluster are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// All corners of its convex hull, and the deepest point.
+    Hull,
+    /// At most so many, in 1..=4.
+    Most(usize),
+}
+
+/// The points to keep of each cluster, by their indices in ascending order. The deepest of a cluster is
+/// always among them, or one as deep to 1e-4 of its extent. Points that are not finite are left out.
+pub fn reduce(points: &[Point], keep: Keep) -> Vec<usize> {
     let sound = |&i: &usize| {
         let point = &points[i];
         point.position.is_finite() && point.normal.is_finite() && point.depth.is_finite()
@@ -40,7 +58,7 @@ pub fn reduce(points: &[Point], most: usize) -> Vec<usize> {
     let all: Vec<usize> = (0..points.len()).filter(sound).collect();
     let mut kept: Vec<usize> = Vec::new();
     for cluster in clusters(points, &all) {
-        kept.extend(reduce_cluster(points, &cluster, most.max(1)));
+        kept.extend(reduce_cluster(points, &cluster, keep));
     }
     kept.sort_unstable();
     kept
@@ -98,37 +116,56 @@ fn clusters(points: &[Point], all: &[usize]) -> Vec<Vec<usize>> {
     (0..centres.len()).map(of).filter(|cluster: &Vec<usize>| !cluster.is_empty()).collect()
 }
 
-/// The corners of a cluster's hull, without the cheapest.
-fn reduce_cluster(points: &[Point], cluster: &[usize], most: usize) -> Vec<usize> {
+/// The corners of a cluster's hull and its deepest point, or the best of them.
+fn reduce_cluster(points: &[Point], cluster: &[usize], keep: Keep) -> Vec<usize> {
     let normal: DVec3 = cluster.iter().map(|&i| points[i].normal).sum();
-    let (x, y) = normal.try_normalize().unwrap_or(DVec3::Y).any_orthonormal_pair();
-    let flat = |i: usize| [points[i].position.dot(x), points[i].position.dot(y)];
-    let mut hull = hull(cluster.iter().map(|&i| (flat(i), i)).collect());
-    let deepest = cluster
+    let normal = normal.try_normalize().unwrap_or(DVec3::Y);
+    let plane = normal.any_orthonormal_pair();
+    let mut corners = hull(cluster.iter().map(|&i| (flat(&points[i], plane), i)).collect());
+    // Of points as deep as each other a corner.
+    let deepest = corners
         .iter()
+        .chain(cluster)
         .copied()
-        .fold(cluster[0], |best, i| if points[i].depth > points[best].depth { i } else { best });
-    let inside = !hull.contains(&deepest);
-    let corners = most - usize::from(inside && most > 1);
-    while hull.len() > corners {
-        let loss = |k: usize| {
-            let [a, b, c] = [hull.len() - 1, 0, 1].map(|d| flat(hull[(k + d) % hull.len()]));
-            turn(a, b, c).abs()
+        .fold(corners[0], |best, i| if points[i].depth > points[best].depth { i } else { best });
+    if !corners.contains(&deepest) {
+        corners.push(deepest);
+    }
+    let most = match keep {
+        Keep::Hull => return corners,
+        Keep::Most(most) => most.max(1),
+    };
+    if corners.len() > ENGINE {
+        let raw = |&i: &usize| (points[i].position.as_vec3(), -points[i].depth as f32);
+        let all: Vec<_> = corners.iter().map(raw).collect();
+        corners = kept_points(&all, normal.as_vec3()).into_iter().map(|k| corners[k]).collect();
+    }
+    while corners.len() > most {
+        let without = |k: usize| {
+            let left = corners.iter().enumerate().filter(|&(i, _)| i != k);
+            spread(&left.map(|(_, &i)| flat(&points[i], plane)).collect::<Vec<_>>())
         };
-        let able = (0..hull.len()).filter(|&k| hull[k] != deepest || hull.len() == 1);
-        let cheapest = able.fold(None, |best: Option<usize>, k| match best {
-            Some(best) if loss(best) <= loss(k) => Some(best),
-            _ => Some(k),
-        });
-        let Some(cheapest) = cheapest else { break };
-        hull.remove(cheapest);
+        let able = (0..corners.len()).filter(|&k| corners[k] != deepest);
+        let Some(gone) = able.max_by(|&a, &b| without(a).total_cmp(&without(b)).then(b.cmp(&a))) else {
+            break;
+        };
+        corners.remove(gone);
     }
-    if inside {
-        hull.push(deepest);
-        // At a limit of one point only the deepest remains.
-        hull.drain(..hull.len().saturating_sub(most));
+    corners
+}
+
+/// Of three points twice their area, of two their distance.
+fn spread(points: &[[f64; 2]]) -> f64 {
+    match *points {
+        [a, b, c] => turn(a, b, c).abs(),
+        [a, b] => (b[0] - a[0]).hypot(b[1] - a[1]),
+        _ => 0.0,
     }
-    hull
+}
+
+/// Its place on a plane.
+fn flat(point: &Point, (x, y): (DVec3, DVec3)) -> [f64; 2] {
+    [point.position.dot(x), point.position.dot(y)]
 }
 
 /// Twice the area of a triangle, positive if it goes round anticlockwise.

@@ -8,21 +8,26 @@
 //! stack causes a great many events: once there have been as many as iterations are allowed, the rest of the
 //! step is left to sequential impulses.
 //!
+//! Where points of two bodies meet at one time, as those of a box that falls flat do, one collides after the
+//! other, and the box turns. [`Order::Together`] lets them collide at once, by Newton's law.
+//!
 //! Bodies end where they flew, so overlap does not grow, but existing overlap stays.
 //!
 //! It supports no joints: an island with joints is left to the fast path.
 
 use super::blocks::Block;
 use super::moving::Moving;
-use super::sequential::{resolution, settle};
+use super::sequential::{give, resolution, settle};
 use super::step::{Resolution, Step};
-use crate::methods::{Effort, Status, gs_cone};
+use crate::methods::{Effort, Order, Status, gs_cone};
 use crate::problem::{Law, Matrix, Problem};
 use crate::system::with_points;
 use crate::system::{System, SystemIsland};
 
 /// Hops of a point at rest in a step.
 const HOPS: f64 = 4.0;
+/// Share of a step within which points meet at one time.
+const AT_ONCE: f64 = 0.01;
 /// Parts of a collision over which its slip is followed.
 const PARTS: u32 = 64;
 
@@ -33,7 +38,7 @@ pub fn impulse_based(step: &Step<'_>, effort: &Effort) -> Resolution {
     let mut moving = Moving::new(&points, |body| body.start);
     let mut impulses = vec![0.0; points.rows.len()];
     let island = SystemIsland { laws: (0..points.laws.len()).collect(), bodies: step.island.bodies.clone() };
-    let flight = Flight::new(&points);
+    let flight = Flight::new(&points, effort.order == Order::Together);
     let (events, left) = flight.fly(&mut moving, &mut impulses, effort.iterations);
     if left > 0.0 {
         let way = moving.way.clone();
@@ -75,15 +80,17 @@ struct Flight<'a> {
     points: &'a System,
     /// Acceleration of each normal by gravity and forces [m/s²].
     fall: Vec<f64>,
+    /// Whether points of two bodies that meet at one time collide at once.
+    together: bool,
 }
 
 impl Flight<'_> {
-    fn new(points: &System) -> Flight<'_> {
+    fn new(points: &System, together: bool) -> Flight<'_> {
         let fall = points.laws.iter().map(|law| {
             let row = &points.rows[law.first];
             (points.speed(row, |body| body.free) - points.speed(row, |body| body.start)) / points.dt
         });
-        Flight { points, fall: fall.collect() }
+        Flight { points, fall: fall.collect(), together }
     }
 
     /// Lets points collide in the order of time. Returns the number of collisions, and the rest of the step
@@ -107,9 +114,42 @@ impl Flight<'_> {
                 return (event, 0.0);
             }
             gaps[next.1] = 0.0;
-            self.collide(next.1, moving, impulses);
+            if self.together {
+                self.collide_together(next.1, &mut gaps, moving, impulses);
+            } else {
+                self.collide(next.1, moving, impulses);
+            }
         }
         (most, left)
+    }
+
+    /// The speeds at which a point separates that arrives with this one: of a hop, and by restitution. Bodies
+    /// on each other fall alike between collisions, so the hop is that of the fastest fall of all points: by
+    /// their own they would not part, and collide without end.
+    fn parting(&self, i: usize, speed: f64) -> [f64; 2] {
+        let fall = self.fall.iter().fold(0.0, |most: f64, fall| most.max(fall.abs()));
+        let hop = fall * self.points.dt / (2.0 * HOPS);
+        let bounces = -speed > self.points.threshold;
+        [hop, if bounces { self.points.laws[i].restitution * -speed } else { 0.0 }]
+    }
+
+    /// A point collides, with all points of its bodies that meet at this time.
+    fn collide_together(&self, i: usize, gaps: &mut [f64], moving: &mut Moving<'_>, impulses: &mut [f64]) {
+        let laws = &self.points.laws;
+        let soon = AT_ONCE * self.points.dt;
+        let meets = |&k: &usize| {
+            let arrives = arrival(gaps[k], moving.speed(laws[k].first), self.fall[k]) <= soon;
+            laws[k].owner == laws[i].owner && laws[k].gap.is_some() && (gaps[k] <= 0.0 || arrives)
+        };
+        let at_once: Vec<usize> = (0..laws.len()).filter(meets).collect();
+        let offset = |&k: &usize| {
+            let speed = moving.speed(laws[k].first);
+            // One at rest hops, or it would arrive again at once.
+            if speed <= 0.0 { -self.parting(k, speed).into_iter().fold(0.0, f64::max) } else { 0.0 }
+        };
+        let offsets: Vec<f64> = at_once.iter().map(offset).collect();
+        give(moving, &at_once, |_| 0.0, &offsets, impulses);
+        at_once.into_iter().for_each(|k| gaps[k] = 0.0);
     }
 
     /// One point collides.
@@ -117,8 +157,7 @@ impl Flight<'_> {
         let law = &self.points.laws[i];
         let rows: Vec<usize> = (law.first..law.first + law.law.rows()).collect();
         let speed = moving.speed(law.first);
-        let hop = self.fall[i].abs() * self.points.dt / (2.0 * HOPS);
-        let bounce = if -speed > self.points.threshold { law.restitution * -speed } else { 0.0 };
+        let [hop, bounce] = self.parting(i, speed);
         let mobility = |a: usize, b: usize| moving.coupling(&self.points.rows[a], &self.points.rows[b]);
         let mut k = [[0.0; 3]; 3];
         for (a, &row) in rows.iter().enumerate() {

@@ -23,7 +23,7 @@ struct Entry {
 }
 
 /// The directions in which bodies entered each other.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     entries: Vec<Entry>,
 }

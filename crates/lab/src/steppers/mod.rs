@@ -31,6 +31,8 @@ pub struct Stepper {
     pub about: &'static str,
     /// Whether it corrects overlap itself.
     pub pushes: bool,
+    /// Whether bodies bear on each other by overlap.
+    pub yields: bool,
     /// Whether it is to start from the impulses of the step before
     /// ([`Guess::LastStep`](crate::Guess::LastStep)).
     pub warm: bool,
@@ -46,6 +48,7 @@ impl Stepper {
             about: "impacts one pair after the other, the fastest first, counted; then sequential impulses \
                 (Moore and Wilhelms 1988)",
             pushes: false,
+            yields: false,
             warm: false,
             resolve: sequential,
         },
@@ -54,6 +57,7 @@ impl Stepper {
             about: "impacts, then contacts with rising restitution, then shock propagation (Guendelman, \
                 Bridson and Fedkiw 2003)",
             pushes: false,
+            yields: false,
             warm: false,
             resolve: guendelman,
         },
@@ -62,6 +66,7 @@ impl Stepper {
             about: "every contact a train of collisions with friction, by the time at which they happen \
                 (Mirtich and Canny 1995)",
             pushes: true,
+            yields: false,
             warm: false,
             resolve: impulse_based,
         },
@@ -69,6 +74,7 @@ impl Stepper {
             name: "penalty",
             about: "springs and dampers where bodies overlap, explicit (Moore and Wilhelms 1988)",
             pushes: true,
+            yields: true,
             warm: false,
             resolve: penalty,
         },
@@ -76,6 +82,7 @@ impl Stepper {
             name: "penalty-implicit",
             about: "the same springs at the end of the step, which no stiffness makes unstable",
             pushes: true,
+            yields: true,
             warm: false,
             resolve: penalty_implicit,
         },
@@ -84,6 +91,7 @@ impl Stepper {
             about: "blocks of contacts at once, each with its share of the mass of its bodies (Tonge, \
                 Benevolenski and Voroshilov 2012)",
             pushes: false,
+            yields: false,
             warm: false,
             resolve: mass_splitting,
         },
@@ -92,6 +100,7 @@ impl Stepper {
             about: "the convex problem of compliant contacts and joints, by Newton's method, as in Drake \
                 (Castro, Permenter and Han 2022)",
             pushes: true,
+            yields: false,
             warm: false,
             resolve: sap,
         },
@@ -100,6 +109,7 @@ impl Stepper {
             about: "the convex problem of constraints that strive for the acceleration of a damped spring \
                 (Todorov 2014)",
             pushes: true,
+            yields: true,
             warm: false,
             resolve: mujoco,
         },
@@ -107,6 +117,7 @@ impl Stepper {
             name: "tgs",
             about: "temporal Gauss-Seidel, 16 substeps of one sweep as in PhysX (Macklin et al. 2019)",
             pushes: true,
+            yields: false,
             warm: false,
             resolve: temporal_gauss_seidel,
         },
@@ -114,6 +125,7 @@ impl Stepper {
             name: "xpbd",
             about: "extended position based dynamics, 20 substeps (M\u{fc}ller et al. 2020)",
             pushes: true,
+            yields: false,
             warm: false,
             resolve: xpbd,
         },
@@ -121,6 +133,7 @@ impl Stepper {
             name: "avbd",
             about: "augmented vertex block descent, 20 iterations (Giles, Diaz and Yuksel 2025)",
             pushes: true,
+            yields: false,
             warm: true,
             resolve: avbd,
         },

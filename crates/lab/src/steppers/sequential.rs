@@ -5,7 +5,8 @@
 //! the order of bodies, so that the order of contacts changes nothing. With low restitution the sequence may
 //! have no end (McNamara and Young 1992): each pair is counted, loses half of its restitution each
 //! [`Effort::calm`] impacts and all of it after four times as many, and when a pair has had [`MAX_IMPACTS`]
-//! impacts, those that still approach are brought to rest together.
+//! impacts, those that still approach are brought to rest together. [`Effort::order`] may be another, or
+//! none: then all bounce together.
 //!
 //! Then bodies take gravity and forces, and sequential impulses without restitution go on until the greatest
 //! change of a velocity by an impulse is below the tolerance, or the sweeps run out (Catto 2005): the fastest
@@ -58,7 +59,9 @@ fn collide(moving: &mut Moving<'_>, blocks: &[Block], effort: &Effort, impulses:
         let speeds = contacts.iter().map(|block| approach(moving, block)).enumerate();
         let next = match effort.order {
             Order::Fastest => speeds.fold((0, 0.0), |best, one| if one.1 < best.1 { one } else { best }),
-            Order::Given => speeds.into_iter().find(|one| one.1 < fastest * NOTHING).unwrap_or((0, 0.0)),
+            Order::Given | Order::Together => {
+                speeds.into_iter().find(|one| one.1 < fastest * NOTHING).unwrap_or((0, 0.0))
+            }
         };
         let (i, speed) = next;
         if speed >= fastest * NOTHING {
@@ -72,7 +75,12 @@ fn collide(moving: &mut Moving<'_>, blocks: &[Block], effort: &Effort, impulses:
         }
         let share =
             if counts[i] >= calm.saturating_mul(4) { 0.0 } else { 0.5_f64.powi((counts[i] / calm) as i32) };
-        bounce(moving, &contacts[i].laws, &joints, share, impulses);
+        if effort.order == Order::Together {
+            let all: Vec<usize> = contacts.iter().flat_map(|block| block.laws.clone()).collect();
+            bounce(moving, &all, &joints, share, impulses);
+        } else {
+            bounce(moving, &contacts[i].laws, &joints, share, impulses);
+        }
     }
     most
 }
@@ -168,7 +176,7 @@ pub(super) fn settle(
                 (block.approach(moving, |law| reach(law) < 0.0), i)
             })
             .collect();
-        if effort.order == Order::Given {
+        if effort.order != Order::Fastest {
             order.iter_mut().for_each(|one| one.0 = 0.0);
         }
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -5,6 +5,7 @@
 mod contact_problem;
 mod impacts;
 mod problem;
+mod reduced;
 
 use crate::problem::Problem;
 use backstop::Error;
@@ -17,6 +18,7 @@ use glam::DVec3;
 pub(crate) use impacts::with_impacts;
 pub use problem::Stabilisation;
 pub(crate) use problem::{gains, needs_push, target};
+pub(crate) use reduced::reduced;
 
 /// Problems of a system.
 pub trait SystemProblems {

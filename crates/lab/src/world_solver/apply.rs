@@ -4,14 +4,15 @@ use super::{Guess, SolverReport, WorldMethod, WorldSolver};
 use crate::methods::{Effort, Status};
 use crate::steppers::{Memory, Resolution, Step};
 use crate::system::{
-    Owner, Stabilisation, System, SystemIsland, SystemProblems, Velocity, gains, needs_push, with_impacts,
+    Owner, Stabilisation, System, SystemIsland, SystemProblems, Velocity, gains, needs_push, reduced,
+    with_impacts,
 };
 use backstop::World;
 use backstop::observe::Solved;
 use std::collections::BTreeMap;
 
 /// State of the previous step.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Last {
     /// Impulses of contact rows, in the order of the prepared rows.
     contacts: Vec<f64>,
@@ -84,9 +85,12 @@ impl WorldSolver {
             Guess::LastStep => last.guess(system),
             Guess::FastPath => system.impulses(),
         };
-        let (mut own, of) = with_impacts(system);
+        let (mut own, mut of) = with_impacts(system);
         if self.direction_memory && self.pushes_itself() {
             last.directions.apply(&mut own);
+        }
+        if let Some(keep) = self.reduce {
+            (own, of) = reduced(&own, &of, keep);
         }
         let begin = |row: &Option<usize>| row.map_or(0.0, |row| start.get(row).copied().unwrap_or(0.0));
         let start: Vec<f64> = if start.is_empty() { start } else { of.iter().map(begin).collect() };
@@ -95,11 +99,18 @@ impl WorldSolver {
             handles.filter(|(_, body)| self.only.contains(&body.body)).map(|(i, _)| i).collect()
         });
         let mut replaced = vec![false; system.rows.len()];
-        for island in &own.islands {
+        for (i, island) in own.islands.iter().enumerate() {
             let is_chosen = |of: &Vec<usize>| island.bodies.iter().any(|i| of.contains(i));
             if chosen.as_ref().is_none_or(is_chosen)
                 && let Some(found) = self.island(solved.world(), &own, island, &start, &mut report)
             {
+                if self.reduce.is_some() {
+                    // Points that were left out bear nothing.
+                    for row in rows_of(solved.system, &solved.system.islands[i]).collect::<Vec<_>>() {
+                        solved.system.rows[row].impulse = 0.0;
+                        replaced[row] = true;
+                    }
+                }
                 for (row, &impulse) in rows_of(&own, island).zip(&found.impulses) {
                     if let Some(row) = of[row] {
                         solved.system.rows[row].impulse = impulse;

@@ -34,6 +34,7 @@ mod apply;
 mod options;
 
 use super::methods::{Effort, Method};
+use super::reduction::Keep;
 use super::steppers::Stepper;
 pub(super) use apply::Last;
 use backstop::BodyHandle;
@@ -116,6 +117,9 @@ pub struct WorldSolver {
     pub joint_share: f64,
     /// Whether a penalty method keeps the direction in which bodies entered each other. Default true.
     pub direction_memory: bool,
+    /// Which contact points of two bodies it has; those that it has not bear no load. Default none: all that
+    /// the engine found, which are at most four for each manifold.
+    pub reduce: Option<Keep>,
 }
 
 impl WorldSolver {
@@ -133,6 +137,7 @@ impl WorldSolver {
             overlap_share: 0.2,
             joint_share: 0.5,
             direction_memory: true,
+            reduce: None,
         }
     }
 

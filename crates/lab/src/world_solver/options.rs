@@ -2,12 +2,13 @@
 
 use super::{Guess, WorldSolver};
 use crate::methods::{Effort, Friction, Order};
+use crate::reduction::Keep;
 
 /// Choices of methods; each leaves those that it does not know alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodOptions {
-    /// The impulses that a method starts from.
-    pub guess: Guess,
+    /// The impulses that a method starts from; none: those that it starts from by itself.
+    pub guess: Option<Guess>,
     /// The model of friction, if the method has a choice.
     pub friction: Friction,
     /// Over-relaxation of `psor`, in (0, 2).
@@ -20,24 +21,46 @@ pub struct MethodOptions {
     pub direction_memory: bool,
     /// Impacts of a pair after which `sequential` halves its restitution.
     pub calm: u32,
-    /// The order in which `sequential` visits pairs.
+    /// The order of what `sequential` and `impulse-based` take one after the other.
     pub order: Order,
+    /// Which contact points of two bodies are kept; none: all.
+    pub reduce: Option<Keep>,
 }
 
 impl Default for MethodOptions {
     fn default() -> MethodOptions {
         let Effort { friction, relaxation, frequency, damping, calm, order, .. } = Effort::default();
-        let guess = Guess::default();
-        MethodOptions { guess, friction, relaxation, frequency, damping, direction_memory: true, calm, order }
+        let (guess, direction_memory, reduce) = (None, true, None);
+        MethodOptions {
+            guess,
+            friction,
+            relaxation,
+            frequency,
+            damping,
+            direction_memory,
+            calm,
+            order,
+            reduce,
+        }
     }
 }
 
 impl WorldSolver {
     /// With these choices.
     pub fn with_options(mut self, options: MethodOptions) -> WorldSolver {
-        let MethodOptions { guess, friction, relaxation, frequency, damping, direction_memory, calm, order } =
-            options;
-        (self.guess, self.direction_memory) = (guess, direction_memory);
+        let MethodOptions {
+            guess,
+            friction,
+            relaxation,
+            frequency,
+            damping,
+            direction_memory,
+            calm,
+            order,
+            reduce,
+        } = options;
+        self.guess = guess.unwrap_or(self.guess);
+        (self.direction_memory, self.reduce) = (direction_memory, reduce);
         self.effort = Effort { friction, relaxation, frequency, damping, calm, order, ..self.effort };
         self
     }

@@ -59,6 +59,7 @@ cases! {
     cards "cards"
     ladder "ladder"
     wedge "wedge"
+    stool "stool"
     slip_to_roll "slip-to-roll"
     slip_time "slip-time"
     slip_distance "slip-distance"

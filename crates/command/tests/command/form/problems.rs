@@ -121,6 +121,18 @@ fn a_run_says_how_accurate_it_is_and_writes_the_problem_of_a_step() {
     let solved =
         document(&backstop(&["solve", path, "--method", "gs-cone", "--tolerance", "1e-3", "--json"]));
     assert!(solved.is_object());
+    // From its own solution there is nothing left to do.
+    let start = scratch("start.json");
+    std::fs::write(&start, solved.to_string()).expect("a document");
+    let start = start.to_str().expect("a name");
+    let again = ["solve", path, "--method", "gs-cone", "--tolerance", "1e-3", "--json", "--guess", start];
+    let again = document(&backstop(&again));
+    assert!(again["iterations"].as_u64() < solved["iterations"].as_u64(), "{again}");
+    let other = scratch("other.dat");
+    std::fs::write(&other, BALL).expect("a problem");
+    let other = other.to_str().expect("a name");
+    refused(&["solve", other, "--method", "pgs", "--guess", start], 1, "the solution of another problem");
+    refused(&["solve", other, "--method", "pgs", "--guess", other], 1, "can't start from");
     refused(&["run", "tall_stack", "--steps", "5", "--export-problem", "6", path], 1, "step 6 of 5");
     refused(&["run", "tall_stack", "--export-problem", "none", path], 1, "the number of a step");
 }

@@ -122,6 +122,18 @@ fn errors_name_the_file_and_the_cause() {
     refused(&["run", "scenes/tower.gltf", "--guess", "last-step"], 1, "need --solver");
     refused(&["tosses", "crates", "--calm", "4"], 1, "need --solver");
     refused(&["run", "scenes/tower.gltf", "--guess", "lucky"], 2, "zero, last-step, fast-path");
+    refused(&["run", "scenes/tower.gltf", "--reduce", "4"], 1, "need --solver");
+    refused(
+        &["run", "scenes/tower.gltf", "--solver", "pgs", "--reduce", "5"],
+        2,
+        "hull or a number in 1..=4",
+    );
+    refused(&["methods", "--method", "backstop", "--reduce", "3"], 1, "another --method");
+    refused(&["methods", "--method", "penalty", "--retroactive", "1e-3"], 1, "can't serve penalty");
+    let returns = ["run", "scenes/tower.gltf", "--retroactive", "1e-3"];
+    refused(&[&returns[..], &["--continuous", "volume"]].concat(), 1, "--continuous discrete");
+    refused(&[&returns[..], &["--export-problem", "1", "x.dat"]].concat(), 1, "takes steps back");
+    refused(&["run", "scenes/tower.gltf", "--retroactive", "0"], 2, "above 0");
     refused(&[], 2, "Usage");
 }
 
@@ -134,6 +146,20 @@ fn options_of_methods_reach_the_method() {
         document(&backstop(&[&run[..], &["--guess", guess]].concat()))["solver"]["solved"].as_u64()
     };
     assert_eq!([solved("zero"), solved("last-step")], [Some(0), Some(5)]);
+}
+
+/// Without continuous collision, fast bodies of this scene end behind what they hit; taken back they do not.
+#[test]
+fn steps_are_taken_back() {
+    let deepest = |more: &[&str]| {
+        let run = ["run", "scenes/tower.gltf", "--steps", "60", "--dt", "1/30", "--json", "--accuracy"];
+        let run = document(&backstop(&[&run[..], more].concat()));
+        let figures = run["accuracy"]["figures"].as_array().expect("a list").clone();
+        let figure = figures.iter().find(|one| one["name"] == "penetration").expect("a figure");
+        figure["worst"].as_f64().expect("a number")
+    };
+    let (plain, back) = (deepest(&["--continuous", "discrete"]), deepest(&["--retroactive", "1e-3"]));
+    assert!(back < 0.5 * plain, "{back} m, {plain} m");
 }
 
 #[test]

@@ -1,0 +1,4 @@
+//! Which contact points there are, and when.
+
+mod reduction;
+mod retroactive;
