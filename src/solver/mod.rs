@@ -97,7 +97,7 @@ pub(crate) struct SolverInput<'a> {
     pub(crate) restitution: &'a mut Restitution,
     /// Normal impulses of contacts whose events are recorded are added here, as far as it has room.
     pub(crate) impulses: &'a mut [f32],
-    pub(crate) crowd: &'a Crowd,
+    pub(crate) crowd: &'a mut Crowd,
     pub(crate) state: &'a mut State,
     pub(crate) witness: Option<&'a mut dyn Witness>,
 }
@@ -147,9 +147,9 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
                 collider_lists: &bodies.colliders,
                 colliders: input.colliders,
             },
-            crowd: input.crowd,
         },
         forces,
+        crowd: input.crowd,
         restitution,
         nets: &mut nets,
         impulses: input.impulses,

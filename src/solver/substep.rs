@@ -36,7 +36,6 @@ pub(super) struct Context<'a> {
     /// Number of velocities: those of movable bodies, and one for all static bodies if there are any.
     pub(super) velocities: usize,
     pub(super) bodies: BodyData<'a>,
-    pub(super) crowd: &'a Crowd,
 }
 
 /// State of the bodies for a single thread.
@@ -91,6 +90,7 @@ pub(super) enum NetCheck {
 pub(super) struct Substeps<'a> {
     pub(super) context: Context<'a>,
     pub(super) forces: &'a mut Forces,
+    pub(super) crowd: &'a mut Crowd,
     pub(super) restitution: &'a mut Restitution,
     pub(super) nets: &'a mut Nets,
     pub(super) impulses: &'a mut [f32],
@@ -184,6 +184,7 @@ impl Substeps<'_> {
     #[inline(always)]
     pub(super) fn hold_back(&mut self, mut check: NetCheck) -> NetCheck {
         self.outside_rows(|this| {
+            this.set_crowd_limits();
             this.limit_crowd();
             this.limit_speeds();
         });
@@ -291,14 +292,23 @@ impl Substeps<'_> {
         );
     }
 
+    /// Finds the greatest speeds of bodies that overlap several others.
+    #[inline(always)]
+    fn set_crowd_limits(&mut self) {
+        if !self.crowd.is_empty() {
+            // SAFETY: between stages this thread is alone.
+            let MotionSlices { base, .. } = unsafe { self.context.slices() };
+            self.crowd.set_limits(base, self.context.settings.measures().push_speed);
+        }
+    }
+
     /// Limits the speed of bodies that overlap several others.
     #[inline(always)]
-    fn limit_crowd(&mut self) {
-        let Context { crowd, settings, .. } = &self.context;
-        if !crowd.is_empty() {
+    fn limit_crowd(&self) {
+        if !self.crowd.is_empty() {
             // SAFETY: between stages this thread is alone.
             let MotionSlices { velocity, base, .. } = unsafe { self.context.slices() };
-            crowd.calm(velocity, base, settings.measures().push_speed);
+            self.crowd.calm(velocity, base);
         }
     }
 

@@ -17,21 +17,30 @@ use crate::memory::buffers;
 /// Number of overlaps of a body from which on its velocity is limited, if all are known.
 const SEVERAL: u32 = 2;
 
+/// A dynamic body.
+#[derive(Clone, Copy, Debug, Default)]
+struct Member {
+    /// Number of its overlaps.
+    overlaps: u32,
+    /// Its greatest speed in the substep, if it is limited [m/s].
+    most: f32,
+}
+
 #[derive(Debug, Default)]
 pub(crate) struct Crowd {
-    /// Number of overlaps of each dynamic body; empty while none is deep.
-    overlaps: Vec<u32>,
+    /// All dynamic bodies; empty while no overlap is deep.
+    members: Vec<Member>,
     /// Speed of the fastest of these bodies and of those they touch [m/s].
     fastest: f32,
     /// Overlaps may have been left out.
     incomplete: bool,
 }
 
-buffers! { Crowd { each(dynamic: usize) { overlaps(dynamic) } } }
+buffers! { Crowd { each(dynamic: usize) { members(dynamic) } } }
 
 impl Crowd {
     pub(crate) fn clear(&mut self) {
-        self.overlaps.clear();
+        self.members.clear();
         self.fastest = 0.0;
         self.incomplete = false;
     }
@@ -42,29 +51,29 @@ impl Crowd {
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.overlaps.is_empty()
+        self.members.is_empty()
     }
 
     /// Whether the velocity of any body is limited, if all overlaps are known.
     pub(crate) fn limits_any(&self) -> bool {
-        self.overlaps.iter().any(|&overlaps| overlaps >= SEVERAL)
+        self.members.iter().any(|member| member.overlaps >= SEVERAL)
     }
 
     /// Records that two bodies overlap; `bodies`: number of dynamic bodies.
     pub(crate) fn overlap(&mut self, a: usize, b: usize, bodies: usize) {
         if a < bodies && b < bodies {
-            if self.overlaps.is_empty() {
-                self.overlaps.resize(bodies, 0);
+            if self.members.is_empty() {
+                self.members.resize(bodies, Member::default());
             }
-            self.overlaps[a] += 1;
-            self.overlaps[b] += 1;
+            self.members[a].overlaps += 1;
+            self.members[b].overlaps += 1;
         }
     }
 
     /// Records that two bodies touch or may touch; the first `movers` have velocities. Called after all
     /// overlaps.
     pub(crate) fn touch(&mut self, a: usize, b: usize, velocity: &[Record], movers: usize) {
-        let crowded = |body: usize| self.overlaps.get(body).is_some_and(|&n| n > 0);
+        let crowded = |body: usize| self.members.get(body).is_some_and(|member| member.overlaps > 0);
         if crowded(a) || crowded(b) {
             let speed = |body: usize| if body < movers { velocity[body].linear.length() } else { 0.0 };
             self.fastest = self.fastest.max(speed(a)).max(speed(b));
@@ -73,21 +82,31 @@ impl Crowd {
 
     /// Excludes the bodies for which `skip` returns true.
     pub(crate) fn leave_out(&mut self, skip: impl Fn(usize) -> bool) {
-        for (body, overlaps) in self.overlaps.iter_mut().enumerate() {
-            if *overlaps > 0 && skip(body) {
-                *overlaps = 0;
+        for (body, member) in self.members.iter_mut().enumerate() {
+            if member.overlaps > 0 && skip(body) {
+                member.overlaps = 0;
             }
         }
     }
 
-    /// Limits velocities after a substep; `base`: those before any row acted.
-    pub(crate) fn calm(&self, velocity: &mut [Record], base: &[Record], push_speed: f32) {
+    /// Finds the greatest speeds of a substep; `base`: velocities before any row acted.
+    pub(crate) fn set_limits(&mut self, base: &[Record], push_speed: f32) {
         let bound = (CROWD_PUSH * push_speed).max(self.fastest);
+        for (member, base) in self.members.iter_mut().zip(base) {
+            member.most = bound.max(base.linear.length());
+        }
+    }
+
+    /// Limits velocities. Those before any row acted are changed too: warm starting must not repeat the
+    /// change by the limit, which would push bodies in each further substep.
+    pub(crate) fn calm(&self, velocity: &mut [Record], base: &mut [Record]) {
         let several = if self.incomplete { 1 } else { SEVERAL };
-        for (i, _) in self.overlaps.iter().enumerate().filter(|(_, n)| **n >= several) {
-            let (now, most) = (velocity[i].linear.length(), bound.max(base[i].linear.length()));
-            if now > most {
-                velocity[i].linear *= most / now;
+        for (i, &Member { overlaps, most }) in self.members.iter().enumerate() {
+            let now = velocity[i].linear;
+            let speed = now.length();
+            if overlaps >= several && speed > most {
+                velocity[i].linear *= most / speed;
+                base[i].linear += velocity[i].linear - now;
             }
         }
     }

@@ -237,7 +237,7 @@ impl World {
             joints: &mut buffers.joints,
             restitution: &mut buffers.restitution,
             impulses: self.events.impulses.as_mut_slice(),
-            crowd: &buffers.prepare.crowd,
+            crowd: &mut buffers.prepare.crowd,
             state: &mut buffers.solver,
             witness,
         }
