@@ -71,8 +71,10 @@ pub(crate) trait Witness {
     fn before(&mut self, velocity: &[Record]);
     /// Called after it did.
     fn after(&mut self, velocity: &[Record]);
-    /// Called after that, if it was trees of joints that moved.
-    fn trees_moved(&mut self, velocity: &[Record]);
+    /// Called before trees of joints move.
+    fn trees_move(&mut self, joints: &JointViews<'_>);
+    /// Called after they did, once their changes of velocities are known.
+    fn trees_moved(&mut self, joints: &JointViews<'_>, velocity: &[Record]);
     /// Number of contacts.
     fn contacts(&self) -> usize;
     /// Takes the normal impulses [N s] that impacts gave contacts, in the order of contacts.

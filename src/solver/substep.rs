@@ -233,10 +233,14 @@ impl Substeps<'_> {
             return;
         }
         let slop = settings.measures().slop;
+        if let Some(witness) = self.witness.as_deref_mut() {
+            witness.trees_move(&passes.joints.views);
+        }
         self.outside_rows(|this| this.context.passes.close_joints(slop));
         if let Some(witness) = self.witness.as_deref_mut() {
+            let Context { passes, .. } = &self.context;
             // SAFETY: between stages this thread is alone.
-            witness.trees_moved(unsafe { self.context.slices() }.velocity);
+            witness.trees_moved(&passes.joints.views, unsafe { self.context.slices() }.velocity);
         }
     }
 

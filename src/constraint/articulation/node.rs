@@ -31,6 +31,8 @@ pub(crate) struct Drift<L> {
     pub(crate) before: Twist<L>,
     /// The velocity before joints acted in the substep, or in the part of it.
     pub(super) from: Twist<L>,
+    /// The impulse at the joint and about it, at the same moment.
+    pub(super) borne: Twist<L>,
 }
 
 impl<L: Lanes> Default for Drift<L> {
@@ -38,7 +40,15 @@ impl<L: Lanes> Default for Drift<L> {
         let moments = Moments::default();
         let zero = Vec3::zero();
         let still = Twist::zero();
-        Drift { axes_now: moments.axes, moments, pull: zero, more: zero, before: still, from: still }
+        Drift {
+            axes_now: moments.axes,
+            moments,
+            pull: zero,
+            more: zero,
+            before: still,
+            from: still,
+            borne: still,
+        }
     }
 }
 

@@ -234,7 +234,10 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// acts, to the last digit. Returns the lanes whose last prediction holds, and those in which no solution
     /// was found: their velocities fit the joints where they are.
     fn close_ahead(&mut self, pass: &JointPass, lanes: L::Mask, alone: L::Mask) -> (u32, L::Mask) {
-        self.nodes.iter_mut().for_each(|node| node.drift.from = node.velocity);
+        for node in &mut self.nodes {
+            node.drift.from = node.velocity;
+            node.drift.borne = Twist { linear: node.impulse, angular: node.twist };
+        }
         self.sweep(pass, lanes, &[], |_, _| {});
         let mut open = alone;
         for _ in 0..ROUNDS {
@@ -259,11 +262,10 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// fit the joints where they are add no energy.
     #[cold]
     fn give_up(&mut self, lanes: L::Mask) {
-        let zero = Vec3::zero();
         for node in &mut self.nodes {
             node.velocity = Twist::select(lanes, node.drift.from, node.velocity);
-            node.impulse = Vec3::select(lanes, zero, node.impulse);
-            node.twist = Vec3::select(lanes, zero, node.twist);
+            node.impulse = Vec3::select(lanes, node.drift.borne.linear, node.impulse);
+            node.twist = Vec3::select(lanes, node.drift.borne.angular, node.twist);
         }
         self.sweep(&JointPass::relaxing(1.0 / self.h), lanes, &[], |_, _| {});
     }

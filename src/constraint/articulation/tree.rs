@@ -9,6 +9,8 @@
 //! Lagrange Multipliers*, 1996). Up to eight trees of the same shape share the lanes.
 
 mod batch;
+#[cfg(feature = "observe")]
+mod pushes;
 
 use super::contacts::TreeBody;
 use super::damp::sum_impulses;
@@ -23,6 +25,8 @@ use crate::constraint::joint::ends::JointPass;
 use crate::lanes::{Mask, Quat, Vec3};
 
 pub(crate) use batch::TreeBatch;
+#[cfg(feature = "observe")]
+pub(crate) use pushes::TreePush;
 
 impl<L: TreeWidth> TreeBatch<L> {
     /// Bodies whose mobility would be lost in the rounding of that of the bodies that hang on them count as

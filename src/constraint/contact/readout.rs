@@ -4,6 +4,7 @@ use super::batch::{Batch, BatchRef};
 use super::friction::{FrictionRow, FrictionView};
 use super::rows::{Views, with_batch};
 use crate::constraint::articulation::rattle::Aside;
+use crate::constraint::articulation::tree::TreePush;
 use crate::constraint::joint::batch::{Report, RowImpulse};
 use crate::constraint::joint::run::JointViews;
 use crate::constraint::joint::store::{report_locks, report_motors};
@@ -212,8 +213,21 @@ impl FrictionLane {
 }
 
 impl JointViews<'_> {
+    /// Calls `f` with each body of a tree and the impulses of its joints in the substep.
+    ///
+    /// # Safety
+    /// No other thread works on the batches.
+    pub(crate) unsafe fn each_tree_push(&self, f: &mut dyn FnMut(u32, TreePush)) {
+        // SAFETY: by the contract.
+        unsafe {
+            self.trees.all().iter().for_each(|batch| batch.each_push(f));
+            self.single_trees.all().iter().for_each(|batch| batch.each_push(f));
+        }
+    }
+
     /// Calls `lock` with each lock and its impulse, `row` with each other row and its own, and `coupling`
-    /// with each coupling, its impulses at both ends, and force and torque on each of its joints per impulse.
+    /// with each coupling, its impulses at both ends, and force and torque on each of its joints per impulse;
+    /// `push` with each body, an impulse on it by one of those outside trees, and the moment of that.
     /// `aside`: see [`TreeBatch::each_aside`](crate::constraint::articulation::tree::TreeBatch::each_aside).
     ///
     /// # Safety
@@ -223,9 +237,10 @@ impl JointViews<'_> {
         lock: &mut dyn FnMut(u32, Vec3),
         row: &mut dyn FnMut(u32, RowImpulse),
         coupling: &mut dyn FnMut(u32, [f32; 2], [[Vec3; 2]; 2]),
+        push: &mut dyn FnMut(u32, [Vec3; 2]),
         aside: &mut dyn FnMut(u32, Aside),
     ) {
-        let mut to = Call { lock, row };
+        let mut to = Call { lock, row, push };
         // SAFETY: by the contract.
         unsafe {
             self.tables.report(true, &mut to);
@@ -244,6 +259,7 @@ impl JointViews<'_> {
 struct Call<'a> {
     lock: &'a mut dyn FnMut(u32, Vec3),
     row: &'a mut dyn FnMut(u32, RowImpulse),
+    push: &'a mut dyn FnMut(u32, [Vec3; 2]),
 }
 
 impl Report for Call<'_> {
@@ -252,5 +268,8 @@ impl Report for Call<'_> {
     }
     fn row(&mut self, owner: u32, impulse: RowImpulse) {
         (self.row)(owner, impulse);
+    }
+    fn push(&mut self, body: u32, push: [Vec3; 2]) {
+        (self.push)(body, push);
     }
 }

@@ -4,6 +4,8 @@ use super::ends::{Ends, JointPass, Recovery};
 use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::row::{BodyPair, Motion};
 use crate::lanes::GatherLanes;
+#[cfg(feature = "observe")]
+use crate::lanes::Vec3 as Vec3Lanes;
 use glam::Vec3;
 
 /// Makes the batch of the locks or rows `owners` of this step's joints.
@@ -35,6 +37,10 @@ pub(crate) trait JointBatch<L: GatherLanes>: Filled + Watched + Default {
     fn correct(&self, _moved: &mut BodyPair<L>, _most: Recovery) {}
     /// Reports the impulse of a lane.
     fn report(&self, lane: usize, to: &mut impl Report);
+    /// The impulse of the last substep on the second body, and its moments about both centres of mass, that
+    /// of the first body negated: as its parts acted, while directions turned [N s], [N m s].
+    #[cfg(feature = "observe")]
+    fn acted(&self) -> (Vec3Lanes<L>, [Vec3Lanes<L>; 2]);
 }
 
 /// The indices of two joined bodies, and which of them can be pushed.
@@ -66,6 +72,9 @@ pub(crate) trait Report {
     fn lock(&mut self, owner: u32, impulse: Vec3);
     /// The impulse of another row.
     fn row(&mut self, owner: u32, impulse: RowImpulse);
+    /// The impulse on a body, and its moment about the centre of mass, of a lock or another row.
+    #[cfg(feature = "observe")]
+    fn push(&mut self, _body: u32, _push: [Vec3; 2]) {}
 }
 
 /// Result of a row in the last substep.

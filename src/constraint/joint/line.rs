@@ -98,6 +98,11 @@ impl<L: GatherLanes> JointBatch<L> for LineBatch<L> {
         self.point.correct(d, most);
     }
 
+    #[cfg(feature = "observe")]
+    fn acted(&self) -> (Vec3<L>, [Vec3<L>; 2]) {
+        self.point.acted()
+    }
+
     fn report(&self, lane: usize, to: &mut impl Report) {
         self.point.report(lane, to);
     }

@@ -127,6 +127,11 @@ impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
         self.ends.apply(d, p, ra.cross(p), rb.cross(p));
     }
 
+    #[cfg(feature = "observe")]
+    fn acted(&self) -> (Vec3<L>, [Vec3<L>; 2]) {
+        (self.impulse, self.moment)
+    }
+
     fn report(&self, lane: usize, to: &mut impl Report) {
         to.lock(self.ends.owner[lane], self.impulse.lane(lane));
     }
@@ -214,6 +219,11 @@ impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
     fn correct(&self, d: &mut BodyPair<L>, most: Recovery) {
         let t = -self.mass.mul(at_most(self.error_now, most.angular));
         self.ends.turn(d, t);
+    }
+
+    #[cfg(feature = "observe")]
+    fn acted(&self) -> (Vec3<L>, [Vec3<L>; 2]) {
+        (Vec3::zero(), [self.impulse; 2])
     }
 
     fn report(&self, lane: usize, to: &mut impl Report) {

@@ -221,6 +221,11 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         self.ends.apply(v, force, ta, tb);
     }
 
+    #[cfg(feature = "observe")]
+    fn acted(&self) -> (Vec3<L>, [Vec3<L>; 2]) {
+        (self.acted, self.moment)
+    }
+
     fn report(&self, lane: usize, to: &mut impl Report) {
         let ends = self.impulse.map(|p| p.lane(lane));
         let (force, torque) = (self.lever.force.lane(lane), self.lever.torque.lane(lane));

@@ -42,7 +42,7 @@ macro_rules! on_trees {
 
 #[cfg(feature = "observe")]
 impl JointViews<'_> {
-    /// Reports the motors in blocks of couplings, and calls `coupling` with each coupling by its slot, its
+    /// Reports the motors in blocks of couplings and the impulses on their bodies, and calls `coupling` with each coupling by its slot, its
     /// impulses at both ends, and force and torque on each of its joints per impulse.
     ///
     /// # Safety
@@ -55,6 +55,7 @@ impl JointViews<'_> {
         // SAFETY: by the contract.
         for block in unsafe { self.couplings.all() } {
             block.report_drives(drives);
+            block.report_pushes(drives);
             block.report_levers(coupling);
         }
     }

@@ -1,9 +1,13 @@
 //! The batches of one row type, and the operations that batches of all types share.
 
 use super::batch::{JointBatch, Report, Watched};
+#[cfg(feature = "observe")]
+use super::ends::Ends;
 use super::ends::{JointPass, NONE, Recovery};
 use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::row::Motion;
+#[cfg(feature = "observe")]
+use crate::lanes::Vec3;
 use crate::lanes::{GatherLanes, f32x8, kernel};
 use crate::memory::{bytes_of, sum_bytes};
 use crate::threads::{Shared, Workers, per_block};
@@ -247,6 +251,30 @@ impl<B8: JointBatch<f32x8>, B1: JointBatch<f32>> TableView<'_, B8, B1> {
     #[cfg(feature = "observe")]
     pub(super) unsafe fn report(&self, to: &mut impl Report) {
         // SAFETY: by the contract.
-        unsafe { report(self.lanes.all(), self.single.all(), to) };
+        let (lanes, single) = unsafe { (self.lanes.all(), self.single.all()) };
+        report(lanes, single, to);
+        report_pushes(lanes, to);
+        report_pushes(single, to);
+    }
+}
+
+/// Reports the impulses on the bodies of all lanes.
+#[cfg(feature = "observe")]
+fn report_pushes<L: GatherLanes, B: JointBatch<L>>(batches: &[B], to: &mut impl Report) {
+    for batch in batches {
+        batch.ends().report_pushes(batch.acted(), to);
+    }
+}
+
+#[cfg(feature = "observe")]
+impl<L: GatherLanes> Ends<L> {
+    /// Reports impulses on both bodies of each lane, given as for [`Ends::apply`].
+    pub(super) fn report_pushes(&self, (impulse, moment): (Vec3<L>, [Vec3<L>; 2]), to: &mut impl Report) {
+        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+            for lane in (0..L::N).filter(|lane| self.write[side] >> lane & 1 != 0) {
+                let push = [impulse, moment[side]].map(|part| part.lane(lane) * sign);
+                to.push(self.body[side][lane], push);
+            }
+        }
     }
 }

@@ -54,6 +54,11 @@ pub struct SystemBody {
     /// Changes of its velocity by anything but gravity, forces and rows: friction of impacts, impacts as far
     /// as they are not in rows, and limits, minus the part of gravity and forces that was not applied.
     pub given: Velocity,
+    /// Changes of its velocity by joints beyond those by the impulses of their rows: directions turn within
+    /// the step, and rows have those at its start.
+    pub turned: Velocity,
+    /// Whether a tree of joints counted it as harder to turn than it is, by the stiffness of its load.
+    pub stiffened: bool,
     /// Whether the engine moved it otherwise than by the impulses of its rows: in a tree of joints, bodies
     /// counted as heavier than they are or a substep was solved again; or it stood still after several
     /// impacts.
@@ -236,6 +241,8 @@ impl System {
                 free: [0, 1].map(|k| start[k] + pull[k] * self.dt),
                 end: start,
                 given: [DVec3::ZERO; 2],
+                turned: [DVec3::ZERO; 2],
+                stiffened: false,
                 unconserved: false,
                 moved: [DVec3::ZERO; 2],
                 force: bodies.force.get(i).map_or([DVec3::ZERO; 2], velocity),

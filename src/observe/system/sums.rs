@@ -22,10 +22,15 @@ pub(in crate::observe) struct Sums {
     /// Changes by gravity and forces; a body that stops after a bounce has none.
     pulled: Vec<Velocity>,
     before: Vec<Record>,
+    /// Impulses of joints outside trees and their moments, and linear impulses of those of trees.
+    pushed: Vec<Velocity>,
+    /// Changes of angular velocities by the joints of trees.
+    turned: Vec<DVec3>,
     /// Changes while trees moved in the last substep.
     moved: Vec<Velocity>,
-    /// See [`SystemBody::unconserved`].
+    /// See [`SystemBody::unconserved`] and [`SystemBody::stiffened`].
     unconserved: Vec<bool>,
+    stiffened: Vec<bool>,
 }
 
 impl Sums {
@@ -39,8 +44,11 @@ impl Sums {
             given: vec![[DVec3::ZERO; 2]; system.bodies.len()],
             pulled: vec![[DVec3::ZERO; 2]; system.bodies.len()],
             before: Vec::new(),
+            pushed: vec![[DVec3::ZERO; 2]; system.bodies.len()],
+            turned: vec![DVec3::ZERO; system.bodies.len()],
             moved: vec![[DVec3::ZERO; 2]; system.bodies.len()],
             unconserved: vec![false; system.bodies.len()],
+            stiffened: vec![false; system.bodies.len()],
         }
     }
 
@@ -51,10 +59,11 @@ impl Sums {
         }
         for (i, body) in system.bodies.iter_mut().enumerate() {
             let (given, pulled) = (self.given[i], self.pulled[i]);
-            body.unconserved = self.unconserved[i];
+            (body.unconserved, body.stiffened) = (self.unconserved[i], self.stiffened[i]);
             body.given = [0, 1].map(|k| given[k] + pulled[k] - (body.free[k] - body.start[k]));
         }
         self.give_joints(world, system);
+        self.give_turned(system);
         let bounced = self.impacts.iter().filter(|impact| **impact > 0.0).count();
         if bounced > 0 {
             self.give_impacts(world, system);
@@ -88,6 +97,35 @@ impl Sums {
         for law in &mut system.laws {
             let bodies = system.rows[law.first].bodies.into_iter().flatten();
             law.bouncing = bodies.map(|body| counts[body]).any(|[all, bounced]| bounced > 0 && all > 1);
+        }
+    }
+
+    /// Gives bodies the changes of their velocities by joints as far as their directions turned.
+    fn give_turned(&self, system: &mut System) {
+        let rows = &system.rows[self.contacts.len()..];
+        let at_start = pushes(rows.iter().map(|row| (row, &row.impulse)), system.bodies.len(), Some);
+        for (i, body) in system.bodies.iter_mut().enumerate() {
+            let (acted, as_rows) = (body.moved(self.pushed[i]), body.moved(at_start[i]));
+            body.turned = [acted[0] - as_rows[0], acted[1] + self.turned[i] - as_rows[1]];
+        }
+    }
+
+    /// Adds changes of angular velocities by the joints of trees, all impulses of the substep taken to act
+    /// where bodies are now: an impulse that acts from now on is the difference of two such sums.
+    fn add_turned(
+        &mut self,
+        joints: &JointViews<'_>,
+        sign: f64,
+        mut linear: impl FnMut(&mut Velocity, DVec3),
+    ) {
+        // SAFETY: between stages there is no other thread.
+        unsafe {
+            joints.each_tree_push(&mut |body, push| {
+                let body = body as usize;
+                self.turned[body] += push.turned.as_dvec3() * sign;
+                self.stiffened[body] |= push.stiffened;
+                linear(&mut self.pushed[body], push.impulse.as_dvec3());
+            });
         }
     }
 
@@ -248,7 +286,12 @@ impl Witness for Sums {
         }
     }
 
-    fn trees_moved(&mut self, now: &[Record]) {
+    fn trees_move(&mut self, joints: &JointViews<'_>) {
+        self.add_turned(joints, 1.0, |_, _| {});
+    }
+
+    fn trees_moved(&mut self, joints: &JointViews<'_>, now: &[Record]) {
+        self.add_turned(joints, -1.0, |_, _| {});
         for ((moved, before), now) in self.moved.iter_mut().zip(&self.before).zip(now) {
             let (before, now) = (velocity(before), velocity(now));
             *moved = [now[0] - before[0], now[1] - before[1]];
@@ -335,17 +378,23 @@ impl Witness for Sums {
                         }
                     }
                 },
+                &mut |body, push| {
+                    let of = &mut self.pushed[body as usize];
+                    for k in 0..2 {
+                        of[k] += push[k].as_dvec3();
+                    }
+                },
                 &mut |body, aside| {
                     let body = body as usize;
                     self.unconserved[body] |= aside.unconserved;
                     self.given[body][0] += aside.caught.as_dvec3();
-                    // Impulses of joints account for it.
-                    let moved = if aside.whirled { self.moved[body] } else { Velocity::default() };
-                    for (given, moved) in self.given[body].iter_mut().zip(moved) {
-                        *given -= moved;
+                    if aside.whirled {
+                        // Impulses of joints account for it.
+                        self.given[body][0] -= self.moved[body][0];
                     }
                 },
             );
         }
+        self.add_turned(joints, 1.0, |pushed, impulse| pushed[0] += impulse);
     }
 }

@@ -274,7 +274,7 @@ impl Observer for Meter {
         let all: Vec<usize> = (0..system.laws.len()).collect();
         let bodies: Vec<usize> = (0..system.bodies.len()).collect();
         let after = energies(world);
-        let balance = motion::Balance::new(system, &joints, [&self.energy, &after]);
+        let balance = motion::Balance::new(system, [&self.energy, &after]);
         let measure = |laws: &[usize], bodies: &[usize]| {
             let mut measures = found.measure(laws);
             balance.measure(laws, bodies, &mut measures);

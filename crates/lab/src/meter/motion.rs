@@ -1,8 +1,7 @@
 //! Energy and momentum of a step.
 
 use super::Measures;
-use crate::system::{SIDES, System, SystemBody, SystemRow, Velocity};
-use backstop::observe::JointRow;
+use crate::system::{System, SystemBody, SystemRow, Velocity};
 use glam::DVec3;
 
 /// The balance of a step's energy and momentum.
@@ -22,8 +21,7 @@ fn mean([v, w]: Velocity, [x, y]: Velocity) -> Velocity {
 }
 
 impl<'a> Balance<'a> {
-    /// `joints`: the rows of joints at the end of the step.
-    pub(super) fn new(system: &'a System, joints: &[JointRow], energies: [&'a [f64]; 2]) -> Balance<'a> {
+    pub(super) fn new(system: &'a System, energies: [&'a [f64]; 2]) -> Balance<'a> {
         let bodies = system.bodies.iter().enumerate();
         let work = |(_, body): (usize, &SystemBody)| {
             let [force, torque] = body.force;
@@ -31,10 +29,11 @@ impl<'a> Balance<'a> {
             (force.dot(v) + torque.dot(w)) * system.dt
         };
         let forces = bodies.clone().map(work).collect();
-        let changes = changes(system, joints);
-        let rest = bodies
-            .map(|(i, body)| [0, 1].map(|k| body.end[k] - body.free[k] - changes[i][k] - body.given[k]))
-            .collect();
+        let changes = system.velocity_changes(&system.impulses());
+        let unexplained = |(body, by_rows): (&SystemBody, Velocity)| {
+            [0, 1].map(|k| body.end[k] - body.free[k] - by_rows[k] - body.turned[k] - body.given[k])
+        };
+        let rest = system.bodies.iter().zip(changes).map(unexplained).collect();
         let drives = system.laws.iter().map(|law| {
             let rows = &system.rows[law.first..law.first + law.law.rows()];
             rows.iter().map(|row| row.impulse * driven(system, law.drives || law.yields, row)).sum()
@@ -64,10 +63,14 @@ impl<'a> Balance<'a> {
                 continue;
             }
             out.unexplained = out.unexplained.max(v.length());
-            out.unexplained_turn = out.unexplained_turn.max(w.length() * reach);
             let p = v * inverse(inverse_mass);
             momentum += p;
             spin += (body.centre - centre).cross(p);
+            if body.stiffened {
+                out.unconserved = out.unconserved.max(w.length() * reach);
+                continue;
+            }
+            out.unexplained_turn = out.unexplained_turn.max(w.length() * reach);
             if turning > 0.0 {
                 spin += body.inverse_inertia.inverse() * w;
             }
@@ -83,25 +86,6 @@ fn driven(system: &System, drives: bool, row: &SystemRow) -> f64 {
         return system.speed(row, |body| mean(body.start, body.end));
     }
     -system.speed(row, |body| if body.dynamic { Velocity::default() } else { body.end }) - row.bias
-}
-
-/// Changes of velocities by the impulses of the step, with the rows of joints rotated by half of their
-/// rotation in the step.
-fn changes(system: &System, joints: &[JointRow]) -> Vec<Velocity> {
-    let mut changes = system.velocity_changes(&system.impulses());
-    let laws = system.laws[system.contacts..].iter().zip(joints);
-    for (law, end) in laws {
-        let start = &system.rows[law.first];
-        for side in 0..SIDES {
-            if let Some(i) = start.bodies[side] {
-                let body = &system.bodies[i];
-                let half = 0.5 * start.impulse;
-                changes[i][0] += body.inverse_mass * (end.row.linear[side] - start.linear[side]) * half;
-                changes[i][1] += body.inverse_inertia * (end.row.angular[side] - start.angular[side]) * half;
-            }
-        }
-    }
-    changes
 }
 
 fn inverse(x: f64) -> f64 {

@@ -226,6 +226,7 @@ impl Found {
         for ((&i, end), explained) in island.bodies.iter().zip(&self.end).zip(explained) {
             // By friction of points that touched within this step.
             system.bodies[i].given = [0, 1].map(|k| end[k] - explained[k]);
+            system.bodies[i].turned = Velocity::default();
         }
         solved.set_motion(island, &self.end, &self.moving);
     }

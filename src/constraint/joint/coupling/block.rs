@@ -127,6 +127,14 @@ impl CouplingBlock {
         }
     }
 
+    /// Reports the impulses on the bodies of couplings and motors.
+    #[cfg(feature = "observe")]
+    pub(in crate::constraint::joint) fn report_pushes(&self, to: &mut impl Report) {
+        for one in self.rows.iter().flat_map(CouplingRow::motions) {
+            one.ends.report_pushes((one.acted, one.moment), to);
+        }
+    }
+
     /// Calls `f` with each coupling by its slot, its impulses, and force and torque on each of its joints per
     /// impulse.
     #[cfg(feature = "observe")]
