@@ -71,6 +71,8 @@ pub(crate) trait Witness {
     fn before(&mut self, velocity: &[Record]);
     /// Called after it did.
     fn after(&mut self, velocity: &[Record]);
+    /// Called between two passes that relax velocities.
+    fn relaxed(&mut self, joints: &JointViews<'_>);
     /// Called before trees of joints move.
     fn trees_move(&mut self, joints: &JointViews<'_>);
     /// Called after they did, once their changes of velocities are known.

@@ -249,6 +249,9 @@ impl Substeps<'_> {
     #[inline(always)]
     pub(super) fn solve_impact_friction(&mut self) -> bool {
         let mut shifts_loads = false;
+        if let Some(witness) = self.witness.as_deref_mut() {
+            witness.relaxed(&self.context.passes.joints.views);
+        }
         if self.context.passes.has_friction {
             self.outside_rows(|this| shifts_loads = this.context.passes.run(PassKind::ImpactFriction));
         }

@@ -290,6 +290,30 @@ impl<L: TreeWidth> TreeBatch<L> {
         self.extra = extra;
     }
 
+    /// The arms at which the joint of a node acts. A cut joint and a motor act along the directions of their
+    /// rows: where trees conserve energy, those when it was factored, and displacements closed it since.
+    #[cfg(feature = "observe")]
+    pub(crate) fn arms_of(&self, node: usize) -> [Vec3<L>; 2] {
+        let now = self.nodes[node].arm_now;
+        if node < self.real {
+            return now;
+        }
+        let row = self.nodes[self.real..node].iter().map(|cut| rows_of(cut.turns)).sum::<usize>();
+        self.extra
+            .directions
+            .get(row)
+            .map_or(now, |rows| [0, 1].map(|side| Vec3::select(self.exact(), rows.arm[side], now[side])))
+    }
+
+    /// The axis about which a motor acts, as its body sees it.
+    #[cfg(feature = "observe")]
+    pub(crate) fn axis_of(&self, motor: usize) -> Vec3<L> {
+        let now = self.nodes[self.extra.motors[motor].node as usize].axis_now[0];
+        let row = self.extra.directions.len().saturating_sub(self.extra.motors.len()) + motor;
+        let row = self.extra.directions.get(row);
+        row.map_or(now, |row| Vec3::select(self.exact(), row.along.angular, now))
+    }
+
     /// The node that represents the body of a node.
     pub(crate) fn body_of(&self, node: usize) -> usize {
         if node < self.real { node } else { self.nodes[node].own as usize }

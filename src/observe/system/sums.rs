@@ -286,6 +286,10 @@ impl Witness for Sums {
         }
     }
 
+    fn relaxed(&mut self, joints: &JointViews<'_>) {
+        self.add_turned(joints, 0.0, |_, _| {});
+    }
+
     fn trees_move(&mut self, joints: &JointViews<'_>) {
         self.add_turned(joints, 1.0, |_, _| {});
     }

@@ -21,19 +21,18 @@ impl<L: TreeWidth> TreeBatch<L> {
     pub(crate) fn each_push(&self, f: &mut dyn FnMut(u32, TreePush)) {
         let mut sums = vec![Twist::<L>::zero(); self.real];
         let mut push = |node: usize, force: Twist<L>| {
-            let Some(of) = self.nodes.get(node) else { return };
-            let [arm, above] = of.arm_now;
+            let [arm, above] = self.arms_of(node);
             sums[self.body_of(node)].add(force.moved(arm));
-            if let Some(parent) = sums.get_mut(of.parent as usize) {
+            if let Some(parent) = sums.get_mut(self.nodes[node].parent as usize) {
                 parent.subtract(force.moved(above));
             }
         };
         for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
             push(i, Twist { linear: node.impulse, angular: node.twist });
         }
-        for motor in &self.extra.motors {
-            let axis = self.nodes[motor.node as usize].axis_now[0];
-            push(motor.node as usize, Twist { angular: axis * motor.impulse, ..Twist::zero() });
+        for (i, motor) in self.extra.motors.iter().enumerate() {
+            let angular = self.axis_of(i) * motor.impulse;
+            push(motor.node as usize, Twist { angular, ..Twist::zero() });
         }
         for (node, sum) in self.of_bodies().iter().zip(sums) {
             let turned = node.stiffened_inverse.mul(sum.angular);
