@@ -290,19 +290,23 @@ impl<L: TreeWidth> TreeBatch<L> {
         self.extra = extra;
     }
 
-    /// The arms at which the joint of a node acts. A cut joint and a motor act along the directions of their
-    /// rows: where trees conserve energy, those when it was factored, and displacements closed it since.
+    /// The row of each cut joint and motor in turn, or none if its directions are those where bodies are now.
+    /// Displacements that close joints come after trees that conserve energy are factored, and trees are
+    /// factored again before velocities relax only if some in the batch do not.
+    #[cfg(feature = "observe")]
+    fn row_as_factored(&self, row: usize) -> Option<&Direction<L>> {
+        self.extra.directions.get(row).filter(|_| self.all_exact())
+    }
+
+    /// The arms at which the joint of a node acts.
     #[cfg(feature = "observe")]
     pub(crate) fn arms_of(&self, node: usize) -> [Vec3<L>; 2] {
         let now = self.nodes[node].arm_now;
         if node < self.real {
             return now;
         }
-        let row = self.nodes[self.real..node].iter().map(|cut| rows_of(cut.turns)).sum::<usize>();
-        self.extra
-            .directions
-            .get(row)
-            .map_or(now, |rows| [0, 1].map(|side| Vec3::select(self.exact(), rows.arm[side], now[side])))
+        let row = self.nodes[self.real..node].iter().map(|cut| rows_of(cut.turns)).sum();
+        self.row_as_factored(row).map_or(now, |row| row.arm)
     }
 
     /// The axis about which a motor acts, as its body sees it.
@@ -310,8 +314,7 @@ impl<L: TreeWidth> TreeBatch<L> {
     pub(crate) fn axis_of(&self, motor: usize) -> Vec3<L> {
         let now = self.nodes[self.extra.motors[motor].node as usize].axis_now[0];
         let row = self.extra.directions.len().saturating_sub(self.extra.motors.len()) + motor;
-        let row = self.extra.directions.get(row);
-        row.map_or(now, |row| Vec3::select(self.exact(), row.along.angular, now))
+        self.row_as_factored(row).map_or(now, |row| row.along.angular)
     }
 
     /// The node that represents the body of a node.
