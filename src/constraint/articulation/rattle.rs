@@ -267,6 +267,11 @@ impl<L: TreeWidth> TreeBatch<L> {
             node.impulse = Vec3::select(lanes, node.drift.borne.linear, node.impulse);
             node.twist = Vec3::select(lanes, node.drift.borne.angular, node.twist);
         }
+        // Motors act in whole substeps only, which they begin without an impulse.
+        let idle = self.extra.idle;
+        for motor in self.extra.motors.iter_mut().filter(|_| !idle) {
+            motor.impulse = L::select(lanes, L::zero(), motor.impulse);
+        }
         self.sweep(&JointPass::relaxing(1.0 / self.h), lanes, &[], |_, _| {});
     }
 

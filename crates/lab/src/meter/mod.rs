@@ -79,14 +79,12 @@ pub struct Measures {
     /// The greatest change of a body's velocity that none of those explains [m/s]: rounding.
     pub unexplained: f64,
     /// The greatest change of a body's angular velocity that none of those explains, at its radius of
-    /// gyration [m/s]: rounding where there are no joints. Joints act along directions that turn with the
-    /// bodies, which the rows of the step do not, and trees count bodies that turn fast as slower to turn
-    /// than they are; the measures of joints are no more certain than this.
+    /// gyration [m/s]: rounding.
     pub unexplained_turn: f64,
     /// The greatest change of velocity beyond the impulses of rows where the engine conserves no momentum
-    /// [m/s]: in trees in which bodies count as heavier than they are or of which a substep was solved again
-    /// (see [`StepReport::damped_trees`](backstop::StepReport::damped_trees)), and of bodies that stand still
-    /// for the rest of a step after several impacts. They are left out of the four before.
+    /// [m/s]: in trees in which bodies count as heavier or harder to turn than they are or of which a substep
+    /// was solved again (see [`StepReport::damped_trees`](backstop::StepReport::damped_trees)), and of bodies
+    /// that stand still for the rest of a step after several impacts. They are left out of the four before.
     pub unconserved: f64,
     /// Laws that were measured.
     pub laws: usize,
