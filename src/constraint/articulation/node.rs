@@ -31,7 +31,7 @@ pub(crate) struct Drift<L> {
     pub(crate) before: Twist<L>,
     /// The velocity before joints acted in the substep, or in the part of it.
     pub(super) from: Twist<L>,
-    /// The impulse at the joint and about it, at the same moment.
+    /// The impulse at the joint and about it, before joints acted in a part of a substep.
     pub(super) borne: Twist<L>,
 }
 

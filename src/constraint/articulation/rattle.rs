@@ -234,10 +234,7 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// acts, to the last digit. Returns the lanes whose last prediction holds, and those in which no solution
     /// was found: their velocities fit the joints where they are.
     fn close_ahead(&mut self, pass: &JointPass, lanes: L::Mask, alone: L::Mask) -> (u32, L::Mask) {
-        for node in &mut self.nodes {
-            node.drift.from = node.velocity;
-            node.drift.borne = Twist { linear: node.impulse, angular: node.twist };
-        }
+        self.nodes.iter_mut().for_each(|node| node.drift.from = node.velocity);
         self.sweep(pass, lanes, &[], |_, _| {});
         let mut open = alone;
         for _ in 0..ROUNDS {
@@ -262,14 +259,15 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// fit the joints where they are add no energy.
     #[cold]
     fn give_up(&mut self, lanes: L::Mask) {
+        // In parts of a substep motors are idle, and joints keep the impulses of the parts before.
+        let whole = !self.extra.idle;
         for node in &mut self.nodes {
+            let borne = if whole { Twist::zero() } else { node.drift.borne };
             node.velocity = Twist::select(lanes, node.drift.from, node.velocity);
-            node.impulse = Vec3::select(lanes, node.drift.borne.linear, node.impulse);
-            node.twist = Vec3::select(lanes, node.drift.borne.angular, node.twist);
+            node.impulse = Vec3::select(lanes, borne.linear, node.impulse);
+            node.twist = Vec3::select(lanes, borne.angular, node.twist);
         }
-        // Motors act in whole substeps only, which they begin without an impulse.
-        let idle = self.extra.idle;
-        for motor in self.extra.motors.iter_mut().filter(|_| !idle) {
+        for motor in self.extra.motors.iter_mut().filter(|_| whole) {
             motor.impulse = L::select(lanes, L::zero(), motor.impulse);
         }
         self.sweep(&JointPass::relaxing(1.0 / self.h), lanes, &[], |_, _| {});
@@ -400,6 +398,9 @@ impl<L: TreeWidth> TreeBatch<L> {
         self.extra.idle = true;
         self.sweep(&still, exact, &[], |_, _| {});
         for part in 1..=parts as u32 {
+            for node in &mut self.nodes {
+                node.drift.borne = Twist { linear: node.impulse, angular: node.twist };
+            }
             self.predict_turns(exact);
             let (known, lost) = self.close_ahead(&solving, exact, exact);
             self.known = known;

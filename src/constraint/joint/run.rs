@@ -42,8 +42,9 @@ macro_rules! on_trees {
 
 #[cfg(feature = "observe")]
 impl JointViews<'_> {
-    /// Reports the motors in blocks of couplings and the impulses on their bodies, and calls `coupling` with each coupling by its slot, its
-    /// impulses at both ends, and force and torque on each of its joints per impulse.
+    /// Reports the motors in blocks of couplings and the impulses on all their bodies, and calls `coupling`
+    /// with each coupling by its slot, its impulses at both ends, and force and torque on each of its joints
+    /// per impulse.
     ///
     /// # Safety
     /// No other thread works on the blocks.
