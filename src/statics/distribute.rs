@@ -27,8 +27,9 @@ pub(super) struct PointLoad {
     pub(super) pulls: bool,
 }
 
-/// The force with which a surface bears a body at rest, of which one along its unit `normal` is a unit: straight
-/// up, as far as static friction allows. On a slope a weight presses with its cosine, not with the inverse of it.
+/// The force with which a surface bears a body at rest, of which one along its unit `normal` is a unit:
+/// straight up, as far as static friction allows. On a slope a weight presses with its cosine, not with the
+/// inverse of it.
 pub(super) fn with_friction(normal: Vec3, up: Vec3, friction: f32) -> Vec3 {
     let steep = normal.dot(up);
     let along = up - normal * steep;
@@ -42,7 +43,7 @@ pub(super) fn with_friction(normal: Vec3, up: Vec3, friction: f32) -> Vec3 {
 ///
 /// These are also the smallest such forces (in the sum of squares), and those that the springs of the
 /// contacts have at rest, so that a resting body starts where it stays. Only forces upwards and moments about
-/// level axes are balanced: horizontal forces of surfaces too steep for their friction are left.
+/// level axes are balanced: horizontal forces of surfaces too steep for their friction are left out.
 pub(super) fn distribute(
     points: &mut [PointLoad],
     force: Vec3,

@@ -40,8 +40,7 @@ impl Stack {
         let on_box = random.chance(0.5);
         let gap = if random.chance(0.5) { 0.0 } else { random.range(0.0, 0.01) };
         let is_slow = gravity <= 0.01 * size * (hz * hz) as f32;
-        let stack =
-            Stack { size, gravity, hz, friction, steepness, count, thick, shape, sides, on_box, gap };
+        let stack = Stack { size, gravity, hz, friction, steepness, count, thick, shape, sides, on_box, gap };
         is_slow.then_some(stack)
     }
 
@@ -94,7 +93,9 @@ impl Stack {
     fn goes(&self, random: &mut Random) -> f64 {
         let (mut world, bodies) = self.put_up(random);
         let mut places = |seconds: usize| -> Vec<DVec3> {
-            (0..seconds * self.hz).for_each(|_| world.step(1.0 / self.hz as f32).unwrap());
+            for _ in 0..seconds * self.hz {
+                world.step(1.0 / self.hz as f32).unwrap();
+            }
             bodies.iter().map(|&body| world.position(body).unwrap()).collect()
         };
         let (start, end) = (places(2), places(58));
@@ -103,9 +104,10 @@ impl Stack {
     }
 }
 
-/// Expected: a slope of at most 0.9 of the friction holds what stands or gently lands on it, by Coulomb's law; what
-/// is put up or falls by a hundredth of its size is at rest after 2 s, and then moves by no more than a hundredth of
-/// its size in a minute. (With loads estimated along normals alone, 32 of 1,700 moved on.)
+/// Expected: a slope of at most 0.9 of the friction holds what stands or gently lands on it, by Coulomb's
+/// law; what is put up or falls by a hundredth of its size is at rest after 2 s, and then moves by no more
+/// than a hundredth of its size in a minute. (With loads estimated along normals alone, 32 of 1,700 moved
+/// on.)
 #[test]
 fn what_friction_holds_on_a_slope_stays() {
     let count = std::env::var("COUNT").map_or(150, |count| count.parse().unwrap());
