@@ -18,9 +18,10 @@ pub(super) struct Found<'a> {
     u: Vec<f64>,
     /// Velocities of rows with gravity and forces applied, before any impulse.
     free: Vec<f64>,
-    /// Gaps at the end, by laws; for rigid directions of joints, their errors.
+    /// Gaps at the end, by laws; for rigid directions of joints, their errors, and the energies stored.
     gap: Vec<f64>,
     off: Vec<f64>,
+    stored: Vec<f64>,
     /// Diagonal of W, by rows.
     scale: Vec<f64>,
 }
@@ -34,6 +35,7 @@ impl<'a> Found<'a> {
             free: system.rows.iter().map(|row| system.speed(row, |body| body.free) + row.bias).collect(),
             gap: vec![f64::INFINITY; system.laws.len()],
             off: vec![0.0; system.laws.len()],
+            stored: vec![0.0; system.laws.len()],
             scale: system.rows.iter().map(|row| system.mobility(row)).collect(),
         };
         let contacts = system.contacts;
@@ -46,6 +48,10 @@ impl<'a> Found<'a> {
                 found.u[law.first] = system.speed(&joint.row, |body| body.end) + system.rows[law.first].bias;
                 found.off[i] = joint.error.abs();
                 found.gap[i] = joint.gap.unwrap_or(f64::INFINITY);
+                // A stop's error is opposite to its displacement.
+                let displacement = if joint.gap.is_some() { -joint.error } else { joint.error };
+                let force = system.rows[law.first].impulse / system.dt;
+                found.stored[i] = (-0.5 * force * displacement).max(0.0);
             }
         }
         found
@@ -78,6 +84,7 @@ impl<'a> Found<'a> {
     fn overlap(&self, i: usize, law: &SystemLaw, out: &mut Measures) {
         let contact = i < self.system.contacts;
         if !contact {
+            out.stored += self.stored[i];
             let angle = self.system.rows[law.first].angle;
             let most = if angle { &mut out.joint_angle } else { &mut out.joint_length };
             // The rows of a lock are in sequence.

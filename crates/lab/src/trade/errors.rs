@@ -24,20 +24,24 @@ pub enum Measure {
     /// the greatest kinetic energy of the reference.
     Energy,
     /// The deepest overlap as a share of the thinner shape, from its middle to its surface, of an instant: of
-    /// impacts.
+    /// impacts. What is left of overlaps that the scene starts with does not count.
     Overlap,
     /// The same of overlaps that last a tenth of a second.
     Lasting,
     /// The greatest error of a joint, relative to the width of the narrowest body that has joints.
     Opening,
-    /// The greatest rise of energy from any earlier time above that of the reference, relative to the
-    /// greatest kinetic energy of the reference.
+    /// The greatest rise, from any earlier time, of the energy that bodies have and joints have stored, less the
+    /// work of motors, springs and what the caller moves: gained from nothing. Relative to the greatest
+    /// kinetic energy of the reference.
     Gain,
     /// Bodies that left the region in which those of the reference are.
     Lost,
     /// Mean speed in the last half second of the fastest body that rests in the reference, relative to
     /// the square root of gravity times its width.
     Unrest,
+    /// The greatest distance of any body from the reference, relative to its width, while its path can be
+    /// compared.
+    Astray,
     /// How far the statistics of all bodies that move are from those of the reference: their centroid,
     /// spread, height and energy, in the worst quarter of the time. One is a quarter of a body's width, or
     /// a tenth of the greatest kinetic energy, beyond three standard deviations of the reference's runs.
@@ -46,7 +50,7 @@ pub enum Measure {
 
 impl Measure {
     /// All of them.
-    pub const ALL: [Measure; 14] = [
+    pub const ALL: [Measure; 15] = [
         Measure::Trajectory,
         Measure::Worst,
         Measure::Rotation,
@@ -60,17 +64,19 @@ impl Measure {
         Measure::Gain,
         Measure::Lost,
         Measure::Unrest,
+        Measure::Astray,
         Measure::Heap,
     ];
 
     /// Those which a setting has to keep a limit of, whatever it is picked by.
-    pub const CONDITIONS: [Measure; 7] = [
+    pub const CONDITIONS: [Measure; 8] = [
         Measure::Overlap,
         Measure::Lasting,
         Measure::Opening,
         Measure::Gain,
         Measure::Lost,
         Measure::Unrest,
+        Measure::Astray,
         Measure::Heap,
     ];
 
@@ -90,6 +96,7 @@ impl Measure {
             Measure::Gain => "gain",
             Measure::Lost => "lost",
             Measure::Unrest => "unrest",
+            Measure::Astray => "astray",
             Measure::Heap => "heap",
         }
     }
@@ -97,7 +104,7 @@ impl Measure {
     /// Its unit; for relative measures, the reference quantity.
     pub fn unit(self) -> &'static str {
         match self {
-            Measure::Trajectory | Measure::Worst | Measure::Opening => "body widths",
+            Measure::Trajectory | Measure::Worst | Measure::Opening | Measure::Astray => "body widths",
             Measure::Rotation => "rad",
             Measure::Penetration | Measure::Joint => "m",
             Measure::Residual => "m/s",
@@ -111,7 +118,7 @@ impl Measure {
 
     /// Whether it is of paths alone, and says nothing about the time after they part.
     pub fn of_paths(self) -> bool {
-        matches!(self, Measure::Trajectory | Measure::Worst | Measure::Rotation)
+        matches!(self, Measure::Trajectory | Measure::Worst | Measure::Rotation | Measure::Astray)
     }
 }
 
@@ -120,11 +127,11 @@ impl Measure {
 pub struct Limits([f64; Measure::CONDITIONS.len()]);
 
 impl Default for Limits {
-    /// Overlaps of the thinner half for an instant and of a tenth of it for longer, joints open by a
-    /// twentieth of a body's width, a gain of a tenth of the energy, no lost body, speeds of a twentieth, and
-    /// the heap where it may be.
+    /// Overlaps of half of the thinner half for an instant and of a tenth of it for longer, joints open by a
+    /// twentieth of a body's width, a gain of a tenth of the energy, no lost body, speeds of a twentieth, no
+    /// body astray by more than its width, and the heap where it may be.
     fn default() -> Limits {
-        Limits([1.0, 0.1, 0.05, 0.1, 0.0, 0.05, 1.0])
+        Limits([0.5, 0.1, 0.05, 0.1, 0.0, 0.05, 1.0, 1.0])
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::heap::Heap;
 use super::run::{Frame, Run};
-use super::track::{Track, lasting, rise, window};
+use super::track::{Track, beyond_start, lasting, rise, window};
 use super::{Errors, Measure};
 use crate::{LabWorld, WorldSolver};
 use backstop::Error;
@@ -39,8 +39,6 @@ pub struct Reference {
     share: f64,
     heap: Heap,
     region: Region,
-    /// The greatest rise of energy that a run of the reference has [J].
-    rise: f64,
     uncertainty: Errors,
 }
 
@@ -102,14 +100,12 @@ impl Reference {
         let heap = Heap::new(&members, (0..bodies).filter(crowd).collect());
         let rests =
             (0..bodies).map(|body| members.iter().all(|member| member.end_speed(body) <= RESTS)).collect();
-        let rise = members.iter().map(Track::rise).fold(0.0, f64::max);
         let region = Region::of(&members);
         let flaws = half.flaws;
         let half = half.clone();
         let fine = members.into_iter().next().unwrap_or_else(|| half.clone());
         let uncertainty = Errors::new([ROUNDING; Measure::ALL.len()]);
-        let mut reference =
-            Reference { fine, compared, moves, rests, share, heap, region, rise, uncertainty };
+        let mut reference = Reference { fine, compared, moves, rests, share, heap, region, uncertainty };
         reference.uncertainty = reference.certain_to(&half, flaws);
         Ok(reference)
     }
@@ -123,6 +119,7 @@ impl Reference {
             energy += (frame.energy - self.fine.frames[at].energy).abs() / self.fine.scale;
         }
         let [trajectory, worst, rotation] = paths.errors();
+        let astray = paths.astray;
         let mut values = [ROUNDING; Measure::ALL.len()];
         for (measure, value) in [
             (Measure::Trajectory, trajectory),
@@ -132,6 +129,7 @@ impl Reference {
             (Measure::Overlap, flaws[0]),
             (Measure::Lasting, flaws[1]),
             (Measure::Opening, flaws[2]),
+            (Measure::Astray, astray),
         ] {
             // Not `max`, which would hide NaN.
             if value > ROUNDING || value.is_nan() {
@@ -206,6 +204,7 @@ impl Reference {
         let unrest = (0..end_speeds.len()).filter(|&body| self.rests[body]);
         let unrest = unrest.map(|body| end_speeds[body] / fine.paces[body]).fold(0.0, f64::max);
         let [trajectory, worst_body, rotation] = paths.errors();
+        let overlaps = beyond_start(&worst.overlaps);
         Ok(Errors::new([
             trajectory,
             worst_body,
@@ -214,12 +213,13 @@ impl Reference {
             worst.residual / (f64::from(span.frames.max(1)) * f64::from(run.steps_per_frame)),
             worst.joint,
             energy / f64::from(span.frames.max(1)),
-            lasting(&worst.overlaps, 1),
-            lasting(&worst.overlaps, window(hz)),
+            lasting(&overlaps, 1),
+            lasting(&overlaps, window(hz)),
             worst.joint / joined,
-            (rise(energies.into_iter()) - self.rise).max(0.0) / fine.scale,
+            rise(worst.balance.iter().copied()) / fine.scale,
             lost.iter().filter(|&&lost| lost).count() as f64,
             unrest,
+            paths.astray,
             Heap::error(&heap),
         ]))
     }
@@ -247,6 +247,9 @@ struct Worst {
     joint: f64,
     /// A sum.
     residual: f64,
+    /// Energy that was gained without a cause, and that is stored in joints, after each step [J].
+    balance: Vec<f64>,
+    gained: f64,
 }
 
 impl Worst {
@@ -255,6 +258,8 @@ impl Worst {
         self.overlaps.push(measures.penetration_share);
         self.joint = self.joint.max(measures.joint_length);
         self.residual += measures.residual.worst;
+        self.gained += measures.gained();
+        self.balance.push(self.gained + measures.stored);
     }
 }
 
@@ -263,11 +268,13 @@ struct Paths<'a> {
     reference: &'a Reference,
     /// Of each body: distances and angles.
     sums: Vec<[f64; 2]>,
+    /// The greatest distance of any body in any frame.
+    astray: f64,
 }
 
 impl Paths<'_> {
     fn new(reference: &Reference) -> Paths<'_> {
-        Paths { reference, sums: vec![[0.0; 2]; reference.compared.len()] }
+        Paths { reference, sums: vec![[0.0; 2]; reference.compared.len()], astray: 0.0 }
     }
 
     fn take(&mut self, at: usize, frame: &Frame) {
@@ -277,6 +284,7 @@ impl Paths<'_> {
                 let [distance, angle] = frame.apart(&fine.frames[at], body, fine.widths[body]);
                 sum[0] += distance;
                 sum[1] += angle;
+                self.astray = self.astray.max(distance);
             }
         }
     }

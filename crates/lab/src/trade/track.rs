@@ -76,6 +76,7 @@ impl Track {
             most = most.max(kinetic(&run)?);
             frames.push(run.frame(&widths)?);
         }
+        let overlaps = beyond_start(&overlaps);
         flaws[0] = lasting(&overlaps, 1);
         flaws[1] = lasting(&overlaps, window(span.frame_rate));
         // If nothing moves, the energy that would lift every body by its width.
@@ -89,11 +90,6 @@ impl Track {
     /// scene and engine apart.
     pub fn hash(&self) -> u64 {
         self.hash
-    }
-
-    /// The greatest rise of energy from any earlier time [J].
-    pub(super) fn rise(&self) -> f64 {
-        rise(self.frames.iter().map(|frame| frame.energy))
     }
 
     /// From when on each body moves: the first frame in which it is a hundredth of its width or of a radian
@@ -127,6 +123,17 @@ pub(super) fn rise(values: impl Iterator<Item = f64>) -> f64 {
     most
 }
 
+/// Overlaps by what they exceed the least so far: bodies that the scene starts with in each other are no
+/// fault of a setting, for as long as they get no deeper.
+pub(super) fn beyond_start(values: &[f64]) -> Vec<f64> {
+    let mut least = f64::INFINITY;
+    let beyond = |&value: &f64| {
+        least = least.min(value);
+        value - least
+    };
+    values.iter().map(beyond).collect()
+}
+
 /// The greatest value that so many steps in sequence reach or exceed.
 pub(super) fn lasting(values: &[f64], steps: usize) -> f64 {
     let least = |window: &[f64]| window.iter().copied().fold(f64::INFINITY, f64::min);
@@ -136,4 +143,25 @@ pub(super) fn lasting(values: &[f64], steps: usize) -> f64 {
 /// Steps of the time after which an overlap lasts, a tenth of a second.
 pub(super) fn window(hz: u32) -> usize {
     (hz / 10).max(1) as usize + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: the scene starts with 2, which are left until bodies part; an impact of 1.5 comes when 0.5 are
+    /// left, and one of 0.75 when none are.
+    #[test]
+    fn overlaps_of_the_start_do_not_count() {
+        let found = beyond_start(&[2.0, 2.0, 1.0, 0.5, 1.5, 0.5, 0.0, 0.75]);
+        assert_eq!(found, [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.75]);
+        assert_eq!(beyond_start(&[0.0, 3.0, 1.0]), [0.0, 3.0, 1.0]);
+    }
+
+    #[test]
+    fn what_lasts_is_the_least_of_a_window() {
+        let values = [0.0, 3.0, 1.0, 2.0, 0.0];
+        assert_eq!([1, 2, 3, 4].map(|steps| lasting(&values, steps)), [3.0, 1.0, 1.0, 0.0]);
+        assert_eq!(rise(values.into_iter()), 3.0);
+    }
 }

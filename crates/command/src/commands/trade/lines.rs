@@ -12,7 +12,7 @@ use std::path::Path;
 /// How lines of results begin.
 pub(super) const STARTS: [&str; 2] = ["{\"trade\":", "{\"cell\":"];
 /// Version of the format.
-pub(super) const FORMAT: u32 = 2;
+pub(super) const FORMAT: u32 = 3;
 
 /// Identifies a sweep: results belong together if all of it is equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -101,7 +101,7 @@ pub(crate) struct TradeOptions {
 #[command(next_help_heading = "Conditions of a pick")]
 pub(crate) struct Conditions {
     /// Deepest overlap of an instant, as a share of the thinner shape from its middle to its surface
-    /// [default: 1].
+    /// [default: 0.5].
     #[arg(long, value_name = "SHARE", value_parser = limit)]
     max_overlap: Option<f64>,
     /// Deepest overlap that lasts a tenth of a second, as such a share [default: 0.1].
@@ -110,7 +110,7 @@ pub(crate) struct Conditions {
     /// Greatest error of a joint, by the width of the narrowest body that has joints [default: 0.05].
     #[arg(long, value_name = "WIDTHS", value_parser = limit)]
     max_opening: Option<f64>,
-    /// Greatest gain of energy, by the greatest kinetic energy of the reference [default: 0.1].
+    /// Greatest gain of energy from nothing, by the greatest kinetic energy of the reference [default: 0.1].
     #[arg(long, value_name = "SHARE", value_parser = limit)]
     max_gain: Option<f64>,
     /// Bodies that leave the region of the reference [default: 0].
@@ -120,6 +120,10 @@ pub(crate) struct Conditions {
     /// [default: 0.05].
     #[arg(long, value_name = "SHARE", value_parser = limit)]
     max_unrest: Option<f64>,
+    /// Greatest distance of a body from the reference while its path can be compared, by its width
+    /// [default: 1].
+    #[arg(long, value_name = "WIDTHS", value_parser = limit)]
+    max_astray: Option<f64>,
     /// Difference of the statistics of all bodies from the reference's [default: 1].
     #[arg(long, value_name = "X", value_parser = limit)]
     max_heap: Option<f64>,
@@ -134,6 +138,7 @@ impl Conditions {
             (Measure::Gain, self.max_gain),
             (Measure::Lost, self.max_lost),
             (Measure::Unrest, self.max_unrest),
+            (Measure::Astray, self.max_astray),
             (Measure::Heap, self.max_heap),
         ]
         .into_iter()

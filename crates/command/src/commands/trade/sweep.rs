@@ -26,6 +26,8 @@ const AGREE: f64 = 1.05;
 const TIMING: Duration = Duration::from_millis(10);
 /// or there were so many.
 const MAX_RUNS: usize = 10;
+/// What breaks a condition is never picked, and told by one run.
+const RUNS_IF_BROKEN: usize = 1;
 
 /// A setting to be measured.
 #[derive(Clone, Debug)]
@@ -231,6 +233,11 @@ impl<'a> Sweep<'a> {
             results.measured[*i].as_ref().is_some_and(finite)
         };
         let timed: Vec<usize> = mine.iter().copied().filter(worth).collect();
+        let limits = options.conditions.limits().all(|measure| self.header.uncertainty.of(measure));
+        let keeps = |results: &Results, cell: usize| {
+            let within = |errors: &Figures| limits.iter().all(|&(of, most)| errors.of(of) <= most);
+            results.measured[cell].as_ref().is_some_and(within)
+        };
         let lacks = |results: &Results, cell: usize, round: u32| {
             results.timed[cell].iter().all(|timed| timed.round != round)
         };
@@ -239,12 +246,13 @@ impl<'a> Sweep<'a> {
             rounds.filter(|&(cell, round)| lacks(results, cell, round)).collect();
         let bar = output::progress(!options.common.quiet, missing.len() as u64, "times taken");
         for some in missing.chunks(BETWEEN).take_while(|_| !interrupt::asked()) {
-            let default_us = self.cost(0)?;
+            let default_us = self.cost(0, MAX_RUNS)?;
             for &(cell, round) in some {
                 if interrupt::asked() {
                     break;
                 }
-                let us = if cell == 0 { default_us } else { self.cost(cell)? };
+                let runs = if keeps(results, cell) { MAX_RUNS } else { RUNS_IF_BROKEN };
+                let us = if cell == 0 { default_us } else { self.cost(cell, runs)? };
                 let line = Line::Timed(Timed { cell, round, us, default_us });
                 sink.put(&line)?;
                 results.take(line)?;
@@ -255,11 +263,11 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// Time of a cell [us for 1/60 s].
-    fn cost(&self, cell: usize) -> anyhow::Result<f64> {
+    /// Time of a cell [us for 1/60 s], in so many runs at most.
+    fn cost(&self, cell: usize, runs: usize) -> anyhow::Result<f64> {
         let Candidate { name, hz, settings, solver, .. } = &self.candidates[cell];
         let (start, mut least) = (Instant::now(), [f64::INFINITY; 2]);
-        for _ in 0..MAX_RUNS {
+        for _ in 0..runs {
             let us = cost(self.scene, settings, solver.map(WorldSolver::new), *hz, self.span)
                 .with_context(|| format!("can't run at {name}"))?;
             if us < least[0] {

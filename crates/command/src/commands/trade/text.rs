@@ -103,7 +103,7 @@ fn short(value: f64) -> String {
 }
 
 /// Headings of [`cells`].
-pub(super) const COLUMNS: [&str; 11] = [
+pub(super) const COLUMNS: [&str; 12] = [
     "cost",
     "relative",
     "error",
@@ -114,6 +114,7 @@ pub(super) const COLUMNS: [&str; 11] = [
     Measure::Gain.name(),
     Measure::Lost.name(),
     Measure::Unrest.name(),
+    Measure::Astray.name(),
     Measure::Heap.name(),
 ];
 

@@ -1,6 +1,7 @@
 //! A judge of a run, by its own measurements: of bodies as they are after each step, with nothing of `trade`.
 use backstop::glam::{DQuat, DVec3};
-use backstop::{BodyHandle, BodyKind, Geometry, Settings, World};
+use backstop::{Axes, BodyHandle, BodyKind, Geometry, Limit, Motion, Settings, World};
+use backstop_lab::{LabWorld, WorldSolver};
 use backstop_scene::Scene;
 
 /// What a person who watches a run would see.
@@ -13,7 +14,8 @@ pub(super) struct Seen {
     pub(super) lasting: f64,
     /// Widest gap of a joint [m].
     pub(super) opening: f64,
-    /// The greatest rise of energy from any earlier time, by the greatest kinetic energy of all bodies.
+    /// How far the energy gets above that of the start, by the greatest kinetic energy of all bodies: joints
+    /// may give back what they took, but nothing gets beyond what it had.
     pub(super) gain: f64,
     /// The box about all places.
     pub(super) low: DVec3,
@@ -40,7 +42,18 @@ impl Part {
 }
 
 pub(super) fn watch(scene: &Scene, settings: &Settings, hz: u32, seconds: f64) -> Seen {
+    watch_with(scene, (settings, None), hz, seconds)
+}
+
+/// The same by a method of the lab.
+pub(super) fn watch_with(
+    scene: &Scene,
+    (settings, solver): (&Settings, Option<WorldSolver>),
+    hz: u32,
+    seconds: f64,
+) -> Seen {
     let mut world = World::new(settings.clone().with_gravity(scene.gravity)).expect("settings");
+    world.solve_with(solver);
     let added = scene.add_to(&mut world).expect("a scene");
     let mut seen = Seen { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, ..Seen::default() };
     let dynamic: Vec<BodyHandle> =
@@ -54,7 +67,11 @@ pub(super) fn watch(scene: &Scene, settings: &Settings, hz: u32, seconds: f64) -
     for step in 0..steps {
         world.step(1.0 / hz as f32).expect("a step");
         energies.push(world.energy());
-        for &joint in &added.joints {
+        for (&joint, one) in added.joints.iter().zip(&scene.joints) {
+            let lock = Limit::lock(Motion::Linear, Axes::All);
+            if !one.limits.contains(&lock) {
+                continue;
+            }
             let [a, b] = world.joint_frames(joint).expect("frames");
             seen.opening = seen.opening.max(a.0.distance(b.0));
         }
@@ -76,12 +93,8 @@ pub(super) fn watch(scene: &Scene, settings: &Settings, hz: u32, seconds: f64) -
     }
     let least = |part: &[f64]| part.iter().copied().fold(f64::INFINITY, f64::min);
     seen.lasting = shares.windows(hz as usize / 10 + 1).map(least).fold(0.0, f64::max);
-    let (mut least, mut rise) = (f64::INFINITY, 0.0_f64);
-    for &energy in &energies {
-        least = least.min(energy);
-        rise = rise.max(energy - least);
-    }
-    seen.gain = rise / kinetic.max(f64::MIN_POSITIVE);
+    let most = energies.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    seen.gain = (most - energies[0]) / kinetic.max(f64::MIN_POSITIVE);
     seen
 }
 
@@ -101,7 +114,7 @@ fn narrowest(scene: &Scene) -> f64 {
     joined.flat_map(thin).fold(f64::INFINITY, f64::min)
 }
 
-/// Boxes and balls are compared by geometry alone; hulls by the contacts of the world.
+/// Boxes, balls and capsules are compared by geometry alone; others by the contacts of the world.
 fn overlaps(scene: &Scene, world: &World, bodies: &[BodyHandle], seen: &mut Seen) {
     let mut parts: Vec<(Part, bool)> = Vec::new();
     for (&body, one) in bodies.iter().zip(&scene.bodies) {
@@ -137,14 +150,20 @@ fn overlaps(scene: &Scene, world: &World, bodies: &[BodyHandle], seen: &mut Seen
         }
     }
     for contact in world.contacts() {
-        let hull = contact.bodies.iter().any(|&body| {
-            let shapes = index(body).map(|i| &scene.bodies[i].desc.shapes);
-            shapes.is_some_and(|shapes| shapes.iter().any(|s| matches!(s.geometry, Geometry::Hull(_))))
-        });
-        for point in contact.points().iter().filter(|_| hull) {
-            seen.overlap = seen.overlap.max(f64::from(-point.separation));
-            // The stones of the arch are about this thick.
-            seen.overlap_share = seen.overlap_share.max(f64::from(-point.separation) / 0.2);
+        let shapes = contact.bodies.map(|body| index(body).map_or(&[][..], |i| &scene.bodies[i].desc.shapes));
+        let plain = |geometry: &Geometry| {
+            matches!(geometry, Geometry::Box { .. } | Geometry::Sphere { .. } | Geometry::Capsule { .. })
+        };
+        if shapes.iter().flat_map(|of| of.iter()).all(|shape| plain(&shape.geometry)) {
+            continue;
+        }
+        let thin =
+            shapes.iter().flat_map(|of| of.iter()).map(|shape| f64::from(shape.geometry.inner_radius()));
+        let thin = thin.fold(f64::INFINITY, f64::min);
+        for point in contact.points() {
+            let depth = f64::from(-point.separation);
+            seen.overlap = seen.overlap.max(depth);
+            seen.overlap_share = seen.overlap_share.max(depth / thin);
         }
     }
 }

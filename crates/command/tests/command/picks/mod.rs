@@ -2,13 +2,21 @@
 //! not trade's own. `BACKSTOP_PICKS=SEED` judges all scenes of a seed on the quick grid, and prints a table.
 
 mod judge;
+mod machines;
 mod scenes;
 
 use crate::trade::{document, scratch};
 use backstop::Settings;
+use backstop_lab::WorldSolver;
 use backstop_scene::{Scene, write_scene};
-use judge::{Seen, watch};
+use judge::{Seen, watch, watch_with};
 use serde_json::Value;
+
+/// Scenes in which energy comes from motors, belts and kinematic bodies.
+const DRIVEN: [&str; 7] = ["drum", "buggy", "conveyor", "pusher", "gears", "lift", "winch"];
+
+/// Those that are judged without a seed.
+const FEW: [&str; 7] = ["dominoes", "bullet", "struck_pyramid", "chain", "bridge", "pusher", "door"];
 
 /// The settings of a world and the rate, as a document has them.
 fn settings(row: &Value) -> (Settings, u32) {
@@ -23,7 +31,7 @@ fn settings(row: &Value) -> (Settings, u32) {
 fn faults(seen: &Seen, fine: &Seen, driven: bool) -> Vec<String> {
     let mut faults = Vec::new();
     let Seen { overlap, overlap_share, lasting, .. } = seen;
-    if *overlap_share > (1.5 * fine.overlap_share).max(1.2) || *lasting > (1.5 * fine.lasting).max(0.2) {
+    if *overlap_share > (1.5 * fine.overlap_share).max(0.7) || *lasting > (1.5 * fine.lasting).max(0.2) {
         let shares = format!("{overlap_share:.2}, for longer {lasting:.2} of the thinner half");
         faults.push(format!("overlap of {overlap:.3} m, {shares}"));
     }
@@ -39,7 +47,7 @@ fn faults(seen: &Seen, fine: &Seen, driven: bool) -> Vec<String> {
     }
     // In a fine run without chaos these rest; with it, most do in any run.
     let moving = |seen: &Seen| seen.end_speeds.iter().filter(|&&speed| speed > 0.15).count();
-    if moving(fine) == 0 && moving(seen) > 0 {
+    if moving(fine) == 0 && moving(seen) > seen.end_speeds.len() / 10 {
         faults.push(format!("{} bodies are not at rest", moving(seen)));
     }
     faults
@@ -49,7 +57,7 @@ fn judge(scene: &Scene, options: &str, seconds: f64) -> (String, Vec<String>) {
     let file = scratch(&format!("{}.gltf", scene.name));
     write_scene(scene, &file).expect("a scene");
     let found = document(&format!("trade {file} --seconds {seconds} --quiet --json {options}"));
-    let driven = scene.name == "drum";
+    let driven = DRIVEN.contains(&scene.name.as_str());
     let share = found["share"].as_f64().unwrap_or(0.0);
     let look = |row: &Value| {
         let (settings, hz) = settings(row);
@@ -79,6 +87,52 @@ fn judge(scene: &Scene, options: &str, seconds: f64) -> (String, Vec<String>) {
     (format!("{line} {of_default}"), if picked.is_null() { vec![] } else { faults(&seen, &fine, driven) })
 }
 
+/// A small grid for a second.
+const SMALL: &str = "--seconds 1 --rounds 1 --reference-hz 480 --iterations 1 --friction patch \
+                     --continuous segment --recycling on --quiet --json";
+
+fn rows(scene: &Scene, options: &str) -> Vec<Value> {
+    let file = scratch(&format!("{}-rows.gltf", scene.name));
+    write_scene(scene, &file).expect("a scene");
+    let found = document(&format!("trade {file} {SMALL} {options}"));
+    found["cells"].as_array().expect("cells").clone()
+}
+
+/// Two methods of the lab that gain energy at these rates, in a chain with a heavy end and in a tall stack.
+/// Expected: each run that gets far beyond the energy of its start by measurements of the test's own breaks
+/// the condition.
+#[test]
+fn what_explodes_gains_energy_from_nothing() {
+    let all = scenes::all(7);
+    let mut exploded = 0;
+    for scene in all.iter().filter(|scene| ["chain", "stack"].contains(&scene.name.as_str())) {
+        for row in rows(scene, "--hz 30,60 --substeps 4 --joints exact --solver sap,mujoco") {
+            let (settings, hz) = settings(&row);
+            let solver = row["settings"]["solver"].as_str().and_then(WorldSolver::by_name);
+            let gain = watch_with(scene, (&settings, solver), hz, 1.0).gain;
+            println!("{}: {} {gain} {}", scene.name, row["name"], row["errors"]["gain"]);
+            if gain > 0.15 {
+                exploded += 1;
+                assert!(row["breaks"].to_string().contains("gain"), "{}: {gain}, {row}", scene.name);
+            }
+        }
+    }
+    assert!(exploded > 0);
+}
+
+/// Planks on joints in closed loops throw a crate back: joints store energy when they are pulled open, and
+/// give it back. Expected: at no rate that is a gain, as nothing gets beyond the energy of the start.
+#[test]
+fn what_joints_store_is_not_gained() {
+    let all = scenes::all(7);
+    let bridge = all.iter().find(|scene| scene.name == "bridge").expect("it is one of them");
+    for row in rows(bridge, "--hz 60,120 --substeps 4,8 --joints exact --solver none") {
+        let (settings, hz) = settings(&row);
+        assert!(watch(bridge, &settings, hz, 1.0).gain < 0.01, "{row}");
+        assert!(!row["breaks"].to_string().contains("gain"), "{row}");
+    }
+}
+
 #[test]
 fn picks_are_what_a_person_would_take() {
     let seed = std::env::var("BACKSTOP_PICKS").ok().and_then(|seed| seed.parse().ok());
@@ -91,7 +145,8 @@ fn picks_are_what_a_person_would_take() {
     };
     let seconds = if all { 2.0 } else { 1.0 };
     let mut bad = Vec::new();
-    for scene in scenes::all(seed.unwrap_or(7)).iter().take(if all { usize::MAX } else { 4 }) {
+    let few = |scene: &&Scene| all || FEW.contains(&scene.name.as_str());
+    for scene in scenes::all(seed.unwrap_or(7)).iter().filter(few) {
         let (line, faults) = judge(scene, options, seconds);
         println!("{line} | {}", faults.join(", "));
         if !faults.is_empty() {

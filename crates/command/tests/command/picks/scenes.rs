@@ -1,4 +1,5 @@
 //! Scenes that nothing was tuned for, drawn from a seed.
+use super::machines::FAMILIES;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::math;
 use backstop::{BodyDesc, ConvexHull, Geometry, JointDesc, ShapeDesc, Skeleton};
@@ -9,32 +10,32 @@ use std::f32::consts::PI;
 pub(super) fn all(seed: u64) -> Vec<Scene> {
     let scenes: [fn(&mut Rng) -> Scene; 12] =
         [dominoes, bullet, struck_pyramid, chain, stairs, bridge, car, heap, arch, gyroscope, drum, top];
-    scenes.iter().map(|scene| scene(&mut Rng::new(seed))).collect()
+    scenes.iter().chain(&FAMILIES).map(|scene| scene(&mut Rng::new(seed))).collect()
 }
 
-fn fixed(geometry: Geometry, at: DVec3) -> BodyDesc {
+pub(super) fn fixed(geometry: Geometry, at: DVec3) -> BodyDesc {
     BodyDesc::fixed().with_position(at).with_shape(ShapeDesc::new(geometry))
 }
 
-fn dynamic(geometry: Geometry, at: DVec3) -> BodyDesc {
+pub(super) fn dynamic(geometry: Geometry, at: DVec3) -> BodyDesc {
     BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(geometry))
 }
 
-fn heavy(geometry: Geometry, at: DVec3, density: f32) -> BodyDesc {
+pub(super) fn heavy(geometry: Geometry, at: DVec3, density: f32) -> BodyDesc {
     BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(geometry).with_density(density))
 }
 
-fn ground(name: &str) -> Scene {
+pub(super) fn ground(name: &str) -> Scene {
     let mut scene = Scene::new(name);
     scene.add("floor", fixed(Geometry::cuboid(30.0, 1.0, 30.0), DVec3::NEG_Y));
     scene
 }
 
-fn pin(scene: &mut Scene, bodies: [usize; 2], point: DVec3) {
+pub(super) fn pin(scene: &mut Scene, bodies: [usize; 2], point: DVec3) {
     join(scene, bodies, point, math::Quat::from(Quat::IDENTITY), JointDesc::ball);
 }
 
-fn hinge(scene: &mut Scene, bodies: [usize; 2], point: DVec3, axis: Vec3) {
+pub(super) fn hinge(scene: &mut Scene, bodies: [usize; 2], point: DVec3, axis: Vec3) {
     join(scene, bodies, point, Quat::from_rotation_arc(Vec3::X, axis).into(), JointDesc::hinge);
 }
 
