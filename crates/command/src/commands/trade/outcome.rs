@@ -170,7 +170,7 @@ impl Outcome {
             bail!("no setting is {}: {warning}", self.rule);
         }
         let best = self.front.last().map_or_else(
-            || "; none keeps all conditions".into(),
+            || "; none keeps all conditions: finer ones may, or other limits are needed".into(),
             |best| format!("; the most accurate has {:.3e} {} ({})", best.error(), self.unit, best.name),
         );
         let cheapest = self.front.first().and_then(|first| first.cost_us);

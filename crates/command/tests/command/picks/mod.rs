@@ -8,7 +8,7 @@ mod scenes;
 use crate::trade::{document, scratch};
 use backstop::Settings;
 use backstop_lab::WorldSolver;
-use backstop_scene::{Scene, write_scene};
+use backstop_scene::{Scene, load, write_scene};
 use judge::{Seen, watch, watch_with};
 use serde_json::Value;
 
@@ -28,7 +28,7 @@ fn settings(row: &Value) -> (Settings, u32) {
 }
 
 /// Why a person would not take a run, given what is to be seen in a fine one.
-fn faults(seen: &Seen, fine: &Seen, driven: bool) -> Vec<String> {
+fn faults(seen: &Seen, fine: &Seen, driven: bool, chaos: bool) -> Vec<String> {
     let mut faults = Vec::new();
     let Seen { overlap, overlap_share, lasting, .. } = seen;
     if *overlap_share > (1.5 * fine.overlap_share).max(0.7) || *lasting > (1.5 * fine.lasting).max(0.2) {
@@ -45,9 +45,9 @@ fn faults(seen: &Seen, fine: &Seen, driven: bool) -> Vec<String> {
     if (fine.low - seen.low).max_element() > margin || (seen.high - fine.high).max_element() > margin {
         faults.push(format!("bodies got to {:.1}..{:.1}", seen.low, seen.high));
     }
-    // In a fine run without chaos these rest; with it, most do in any run.
+    // With chaos each run comes to rest at its own time.
     let moving = |seen: &Seen| seen.end_speeds.iter().filter(|&&speed| speed > 0.15).count();
-    if moving(fine) == 0 && moving(seen) > seen.end_speeds.len() / 10 {
+    if !chaos && moving(fine) == 0 && moving(seen) > seen.end_speeds.len() / 10 {
         faults.push(format!("{} bodies are not at rest", moving(seen)));
     }
     faults
@@ -56,6 +56,8 @@ fn faults(seen: &Seen, fine: &Seen, driven: bool) -> Vec<String> {
 fn judge(scene: &Scene, options: &str, seconds: f64) -> (String, Vec<String>) {
     let file = scratch(&format!("{}.gltf", scene.name));
     write_scene(scene, &file).expect("a scene");
+    // What is in the file differs by rounding, and a chaotic scene then takes another course.
+    let scene = &load(&file).expect("a scene");
     let found = document(&format!("trade {file} --seconds {seconds} --quiet --json {options}"));
     let driven = DRIVEN.contains(&scene.name.as_str());
     let share = found["share"].as_f64().unwrap_or(0.0);
@@ -84,18 +86,22 @@ fn judge(scene: &Scene, options: &str, seconds: f64) -> (String, Vec<String>) {
         seen.gain,
     );
     let of_default = if picked.is_null() { row["breaks"].to_string() } else { String::new() };
-    (format!("{line} {of_default}"), if picked.is_null() { vec![] } else { faults(&seen, &fine, driven) })
+    (
+        format!("{line} {of_default}"),
+        if picked.is_null() { vec![] } else { faults(&seen, &fine, driven, share < 0.5) },
+    )
 }
 
 /// A small grid for a second.
 const SMALL: &str = "--seconds 1 --rounds 1 --reference-hz 480 --iterations 1 --friction patch \
                      --continuous segment --recycling on --quiet --json";
 
-fn rows(scene: &Scene, options: &str) -> Vec<Value> {
+/// A scene as a file has it, and the settings that were measured.
+fn rows(scene: &Scene, options: &str) -> (Scene, Vec<Value>) {
     let file = scratch(&format!("{}-rows.gltf", scene.name));
     write_scene(scene, &file).expect("a scene");
     let found = document(&format!("trade {file} {SMALL} {options}"));
-    found["cells"].as_array().expect("cells").clone()
+    (load(&file).expect("a scene"), found["cells"].as_array().expect("cells").clone())
 }
 
 /// Two methods of the lab that gain energy at these rates, in a chain with a heavy end and in a tall stack.
@@ -106,11 +112,11 @@ fn what_explodes_gains_energy_from_nothing() {
     let all = scenes::all(7);
     let mut exploded = 0;
     for scene in all.iter().filter(|scene| ["chain", "stack"].contains(&scene.name.as_str())) {
-        for row in rows(scene, "--hz 30,60 --substeps 4 --joints exact --solver sap,mujoco") {
+        let (scene, rows) = rows(scene, "--hz 30,60 --substeps 4 --joints exact --solver sap,mujoco");
+        for row in rows {
             let (settings, hz) = settings(&row);
             let solver = row["settings"]["solver"].as_str().and_then(WorldSolver::by_name);
-            let gain = watch_with(scene, (&settings, solver), hz, 1.0).gain;
-            println!("{}: {} {gain} {}", scene.name, row["name"], row["errors"]["gain"]);
+            let gain = watch_with(&scene, (&settings, solver), hz, 1.0).gain;
             if gain > 0.15 {
                 exploded += 1;
                 assert!(row["breaks"].to_string().contains("gain"), "{}: {gain}, {row}", scene.name);
@@ -126,9 +132,10 @@ fn what_explodes_gains_energy_from_nothing() {
 fn what_joints_store_is_not_gained() {
     let all = scenes::all(7);
     let bridge = all.iter().find(|scene| scene.name == "bridge").expect("it is one of them");
-    for row in rows(bridge, "--hz 60,120 --substeps 4,8 --joints exact --solver none") {
+    let (bridge, rows) = rows(bridge, "--hz 60,120 --substeps 4,8 --joints exact --solver none");
+    for row in rows {
         let (settings, hz) = settings(&row);
-        assert!(watch(bridge, &settings, hz, 1.0).gain < 0.01, "{row}");
+        assert!(watch(&bridge, &settings, hz, 1.0).gain < 0.01, "{row}");
         assert!(!row["breaks"].to_string().contains("gain"), "{row}");
     }
 }
