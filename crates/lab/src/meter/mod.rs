@@ -72,8 +72,8 @@ pub struct Measures {
     /// Work of motors, springs, kinematic bodies, moving surfaces and the caller's forces [J], by the
     /// mean of the velocities before and after.
     pub work: f64,
-    /// Energy that joints which were pulled open can give back [J]: of each rigid direction and each stop, half
-    /// of its force times its error, where the force is against the error, as of a spring.
+    /// Energy that joints which were pulled open can give back [J]: of each rigid direction and each stop,
+    /// half of its force times its error, where the force is against the error, as of a spring.
     pub stored: f64,
     /// Change of momentum that neither gravity, nor forces, nor impulses of rows explain [N s].
     pub momentum: f64,

@@ -30,8 +30,8 @@ pub enum Measure {
     Lasting,
     /// The greatest error of a joint, relative to the width of the narrowest body that has joints.
     Opening,
-    /// The greatest rise, from any earlier time, of the energy that bodies have and joints have stored, less the
-    /// work of motors, springs and what the caller moves: gained from nothing. Relative to the greatest
+    /// The greatest rise, from any earlier time, of the energy that bodies have and joints have stored, less
+    /// the work of motors, springs and what the caller moves: gained from nothing. Relative to the greatest
     /// kinetic energy of the reference.
     Gain,
     /// Bodies that left the region in which those of the reference are.

@@ -149,7 +149,7 @@ pub(super) fn window(hz: u32) -> usize {
 mod tests {
     use super::*;
 
-    /// By hand: the scene starts with 2, which are left until bodies part; an impact of 1.5 comes when 0.5 are
+    /// By hand: the scene starts with 2, which shrink as bodies part; an impact of 1.5 comes when 0.5 are
     /// left, and one of 0.75 when none are.
     #[test]
     fn overlaps_of_the_start_do_not_count() {
