@@ -24,6 +24,8 @@ pub(super) struct Seen {
     pub(super) end_speeds: Vec<f64>,
     /// The narrowest width of a body in a joint [m].
     pub(super) narrowest: f64,
+    /// Parts that the scene starts with in each other: no fault of a setting.
+    from_start: Vec<[usize; 2]>,
 }
 
 /// A convex part of a body: a box, or balls along a line.
@@ -62,6 +64,7 @@ pub(super) fn watch_with(
     let tail = hz as usize / 2;
     seen.end_speeds = vec![0.0; dynamic.len()];
     seen.narrowest = narrowest(scene);
+    overlaps(scene, &world, &added.bodies, true, &mut seen);
     let mut energies = vec![world.energy()];
     let (mut shares, mut kinetic) = (Vec::new(), 0.0_f64);
     for step in 0..steps {
@@ -87,7 +90,7 @@ pub(super) fn watch_with(
         }
         kinetic = kinetic.max(moving);
         let most = std::mem::take(&mut seen.overlap_share);
-        overlaps(scene, &world, &added.bodies, &mut seen);
+        overlaps(scene, &world, &added.bodies, false, &mut seen);
         shares.push(seen.overlap_share);
         seen.overlap_share = seen.overlap_share.max(most);
     }
@@ -115,7 +118,7 @@ fn narrowest(scene: &Scene) -> f64 {
 }
 
 /// Boxes, balls and capsules are compared by geometry alone; others by the contacts of the world.
-fn overlaps(scene: &Scene, world: &World, bodies: &[BodyHandle], seen: &mut Seen) {
+fn overlaps(scene: &Scene, world: &World, bodies: &[BodyHandle], at_start: bool, seen: &mut Seen) {
     let mut parts: Vec<(Part, bool)> = Vec::new();
     for (&body, one) in bodies.iter().zip(&scene.bodies) {
         let (at, turn) = (world.position(body).expect("a body"), world.rotation(body).expect("a body"));
@@ -137,13 +140,19 @@ fn overlaps(scene: &Scene, world: &World, bodies: &[BodyHandle], seen: &mut Seen
     }
     let index = |body: BodyHandle| bodies.iter().position(|&one| one == body);
     for (i, (a, moves)) in parts.iter().enumerate() {
-        for (b, also) in &parts[i + 1..] {
+        for (next, (b, also)) in parts[i + 1..].iter().enumerate() {
             let joined = scene.joints.iter().any(|joint| {
                 let pair = joint.bodies.map(Some);
                 pair == [index(a.body), index(b.body)] || pair == [index(b.body), index(a.body)]
             });
             if a.body != b.body && (*moves || *also) && !joined {
-                let depth = depth(a, b);
+                let (depth, pair) = (depth(a, b), [i, i + 1 + next]);
+                if at_start && depth > 0.0 {
+                    seen.from_start.push(pair);
+                }
+                if seen.from_start.contains(&pair) {
+                    continue;
+                }
                 seen.overlap = seen.overlap.max(depth);
                 seen.overlap_share = seen.overlap_share.max(depth / a.thickness().min(b.thickness()));
             }
