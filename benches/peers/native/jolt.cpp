@@ -183,19 +183,23 @@ struct PeersBody {
 	float linear[3];
 	float angular[3];
 	float max_speed;
+	float max_spin;
 	bool continuous;
 	bool sleeping;
 };
 
 struct PeersJoint {
 	uint32 bodies[2];
-	// Of both sides, in the world.
+	// Of both sides, in the axes of each body and from its origin.
 	float points[2][3];
 	float axes[2][3];
 	float normals[2][3];
 	bool hinge;
 	bool limited;
+	bool driven;
 	float range[2];
+	// Speed and torque.
+	float motor[2];
 };
 
 struct PeersState {
@@ -326,7 +330,7 @@ bool peers_add_body(World *world, const PeersBody *def, const PeersShape *shapes
 	settings.mLinearDamping = 0.0f;
 	settings.mAngularDamping = 0.0f;
 	settings.mMaxLinearVelocity = def->max_speed;
-	settings.mMaxAngularVelocity = 200.0f;
+	settings.mMaxAngularVelocity = def->max_spin;
 	settings.mAllowSleeping = def->sleeping;
 	settings.mMotionQuality = def->continuous ? EMotionQuality::LinearCast : EMotionQuality::Discrete;
 	Body *body = world->system.GetBodyInterfaceNoLock().CreateBody(settings);
@@ -346,16 +350,21 @@ void peers_add_joint(World *world, const PeersJoint *joint) {
 		bodies[side]->SetCollisionGroup(CollisionGroup(world->joined, joint->bodies[side], 0));
 	}
 	world->joined->Join(joint->bodies[0], joint->bodies[1]);
+	const auto point = [&](int side) {
+		return RVec3(Vec(joint->points[side]) - bodies[side]->GetShape()->GetCenterOfMass());
+	};
 	if (!joint->hinge) {
 		PointConstraintSettings settings;
-		settings.mPoint1 = RVec3(Vec(joint->points[0]));
-		settings.mPoint2 = RVec3(Vec(joint->points[1]));
+		settings.mSpace = EConstraintSpace::LocalToBodyCOM;
+		settings.mPoint1 = point(0);
+		settings.mPoint2 = point(1);
 		world->system.AddConstraint(settings.Create(*bodies[0], *bodies[1]));
 		return;
 	}
 	HingeConstraintSettings settings;
-	settings.mPoint1 = RVec3(Vec(joint->points[0]));
-	settings.mPoint2 = RVec3(Vec(joint->points[1]));
+	settings.mSpace = EConstraintSpace::LocalToBodyCOM;
+	settings.mPoint1 = point(0);
+	settings.mPoint2 = point(1);
 	settings.mHingeAxis1 = Vec(joint->axes[0]);
 	settings.mHingeAxis2 = Vec(joint->axes[1]);
 	settings.mNormalAxis1 = Vec(joint->normals[0]);
@@ -364,7 +373,13 @@ void peers_add_joint(World *world, const PeersJoint *joint) {
 		settings.mLimitsMin = joint->range[0];
 		settings.mLimitsMax = joint->range[1];
 	}
-	world->system.AddConstraint(settings.Create(*bodies[0], *bodies[1]));
+	settings.mMotorSettings.SetTorqueLimit(joint->motor[1]);
+	HingeConstraint *hinge = static_cast<HingeConstraint *>(settings.Create(*bodies[0], *bodies[1]));
+	if (joint->driven) {
+		hinge->SetMotorState(EMotorState::Velocity);
+		hinge->SetTargetAngularVelocity(joint->motor[0]);
+	}
+	world->system.AddConstraint(hinge);
 }
 
 // Puts all bodies into the world, once there are all.
@@ -382,6 +397,12 @@ void peers_start(World *world) {
 uint32 peers_step(World *world, float dt) {
 	return static_cast<uint32>(
 		world->system.Update(dt, world->steps, &world->scratch, world->jobs.get()));
+}
+
+// Sets the velocities of a kinematic body.
+void peers_drive(World *world, uint32 index, const float *linear, const float *angular) {
+	world->system.GetBodyInterfaceNoLock().SetLinearAndAngularVelocity(
+		world->bodies[index], Vec(linear), Vec(angular));
 }
 
 void peers_state(const World *world, uint32 index, PeersState *state) {

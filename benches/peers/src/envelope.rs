@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// What is run, and where results go.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// box3d or rapier.
+    /// box3d, rapier or jolt.
     engine: String,
     /// Where results go, a line of JSON for each cell.
     file: PathBuf,
@@ -43,13 +43,15 @@ fn asked(engine: &str, length_unit: f32, hinge_ranges: bool) -> anyhow::Result<(
         sleeping: false,
         length_unit,
         max_speed: None,
+        max_spin: 1e5,
         hinge_ranges,
     };
     Ok(match engine {
         // Cells are faster than its limit.
         "box3d" => ("Box3D", Config { max_speed: Some(1e5), ..config }),
         "rapier" => ("Rapier", config),
-        other => anyhow::bail!("the envelope is run in box3d and rapier, not in \"{other}\""),
+        "jolt" => ("Jolt", Config { max_speed: Some(1e5 * length_unit), ..config }),
+        other => anyhow::bail!("the envelope is run in box3d, rapier and jolt, not in \"{other}\""),
     })
 }
 

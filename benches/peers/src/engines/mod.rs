@@ -61,6 +61,9 @@ pub(crate) struct Config {
     pub(crate) length_unit: f32,
     /// The limit of speeds, if it is not the engine's default [m/s].
     pub(crate) max_speed: Option<f32>,
+    /// The limit of spins [rad/s].
+    #[cfg_attr(not(feature = "jolt"), allow(dead_code, reason = "the adapter of Jolt alone sets it"))]
+    pub(crate) max_spin: f32,
     /// Whether hinges keep to their ranges.
     pub(crate) hinge_ranges: bool,
 }

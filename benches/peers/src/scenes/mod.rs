@@ -76,6 +76,7 @@ impl Subject {
             sleeping,
             length_unit: 1.0,
             max_speed: Some(1000.0),
+            max_spin: 200.0,
             hinge_ranges: true,
         }
     }
