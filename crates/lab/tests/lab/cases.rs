@@ -9,7 +9,7 @@ const SHORT: &[(&str, f64)] = &[
     ("bounce-time", 0.012),
     ("oblique-grip", 1.5e-4),
     ("pendulum-179", 1.2e-3),
-    ("arch", 0.375),
+    ("arch", 0.395),
     ("slide-spin", 1.001),
     ("upright-hoop", 0.255),
     ("upright-disc", 0.335),
