@@ -96,6 +96,24 @@ mod tests {
         points.iter().map(|p| p.force).collect()
     }
 
+    /// A square slab of 12 N without thickness on a slope of 30 degrees. Expected: held by friction it presses
+    /// with 12 cos 30 N; without friction the normal force alone balances it upwards, 12 / cos 30 N.
+    #[test]
+    fn a_slope_bears_a_weight_straight_up_as_far_as_friction_allows() {
+        let (cosine, sine) = (0.75_f32.sqrt(), 0.5);
+        let normal = Vec3::new(sine, cosine, 0.0);
+        let along = Vec3::new(cosine, -sine, 0.0);
+        for (friction, expected) in [(0.6, 12.0 * cosine), (0.0, 12.0 / cosine)] {
+            let push = with_friction(normal, Vec3::Y, friction);
+            let arms = [along, -along, Vec3::Z, -Vec3::Z];
+            let mut points = arms.map(|arm| PointLoad { push, arm, ..PointLoad::default() });
+            distribute(&mut points, Vec3::Y * 12.0, Vec3::ZERO, Vec3::Y, [Vec3::X, Vec3::Z]);
+            let sum: f32 = points.iter().map(|p| p.force).sum();
+            assert!((sum - expected).abs() < 2e-3, "{friction}: {sum} for {expected}");
+            assert!((push.dot(normal) - 1.0).abs() < 1e-6, "{push}");
+        }
+    }
+
     /// Expected values by the law of the lever, for a weight of 12 N.
     #[test]
     fn a_load_is_shared_by_the_law_of_the_lever() {

@@ -41,7 +41,7 @@ pub enum Measure {
     Unrest,
     /// The greatest distance of any body from the reference, relative to its width, while its path can be
     /// compared.
-    Astray,
+    Deviation,
     /// How far the statistics of all bodies that move are from those of the reference: their centroid,
     /// spread, height and energy, in the worst quarter of the time. One is a quarter of a body's width, or
     /// a tenth of the greatest kinetic energy, beyond three standard deviations of the reference's runs.
@@ -64,7 +64,7 @@ impl Measure {
         Measure::Gain,
         Measure::Lost,
         Measure::Unrest,
-        Measure::Astray,
+        Measure::Deviation,
         Measure::Heap,
     ];
 
@@ -76,7 +76,7 @@ impl Measure {
         Measure::Gain,
         Measure::Lost,
         Measure::Unrest,
-        Measure::Astray,
+        Measure::Deviation,
         Measure::Heap,
     ];
 
@@ -96,7 +96,7 @@ impl Measure {
             Measure::Gain => "gain",
             Measure::Lost => "lost",
             Measure::Unrest => "unrest",
-            Measure::Astray => "astray",
+            Measure::Deviation => "deviation",
             Measure::Heap => "heap",
         }
     }
@@ -104,7 +104,7 @@ impl Measure {
     /// Its unit; for relative measures, the reference quantity.
     pub fn unit(self) -> &'static str {
         match self {
-            Measure::Trajectory | Measure::Worst | Measure::Opening | Measure::Astray => "body widths",
+            Measure::Trajectory | Measure::Worst | Measure::Opening | Measure::Deviation => "body widths",
             Measure::Rotation => "rad",
             Measure::Penetration | Measure::Joint => "m",
             Measure::Residual => "m/s",
@@ -118,7 +118,7 @@ impl Measure {
 
     /// Whether it is of paths alone, and says nothing about the time after they part.
     pub fn of_paths(self) -> bool {
-        matches!(self, Measure::Trajectory | Measure::Worst | Measure::Rotation | Measure::Astray)
+        matches!(self, Measure::Trajectory | Measure::Worst | Measure::Rotation | Measure::Deviation)
     }
 }
 
@@ -129,7 +129,7 @@ pub struct Limits([f64; Measure::CONDITIONS.len()]);
 impl Default for Limits {
     /// Overlaps of half of the thinner half for an instant and of a tenth of it for longer, joints open by a
     /// twentieth of a body's width, a gain of a tenth of the energy, no lost body, speeds of a twentieth, no
-    /// body astray by more than its width, and the heap where it may be.
+    /// body a width away from the reference, and the heap where it may be.
     fn default() -> Limits {
         Limits([0.5, 0.1, 0.05, 0.1, 0.0, 0.05, 1.0, 1.0])
     }

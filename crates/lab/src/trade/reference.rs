@@ -119,7 +119,7 @@ impl Reference {
             energy += (frame.energy - self.fine.frames[at].energy).abs() / self.fine.scale;
         }
         let [trajectory, worst, rotation] = paths.errors();
-        let astray = paths.astray;
+        let deviation = paths.deviation;
         let mut values = [ROUNDING; Measure::ALL.len()];
         for (measure, value) in [
             (Measure::Trajectory, trajectory),
@@ -129,7 +129,7 @@ impl Reference {
             (Measure::Overlap, flaws[0]),
             (Measure::Lasting, flaws[1]),
             (Measure::Opening, flaws[2]),
-            (Measure::Astray, astray),
+            (Measure::Deviation, deviation),
         ] {
             // Not `max`, which would hide NaN.
             if value > ROUNDING || value.is_nan() {
@@ -219,7 +219,7 @@ impl Reference {
             rise(worst.balance.iter().copied()) / fine.scale,
             lost.iter().filter(|&&lost| lost).count() as f64,
             unrest,
-            paths.astray,
+            paths.deviation,
             Heap::error(&heap),
         ]))
     }
@@ -269,12 +269,12 @@ struct Paths<'a> {
     /// Of each body: distances and angles.
     sums: Vec<[f64; 2]>,
     /// The greatest distance of any body in any frame.
-    astray: f64,
+    deviation: f64,
 }
 
 impl Paths<'_> {
     fn new(reference: &Reference) -> Paths<'_> {
-        Paths { reference, sums: vec![[0.0; 2]; reference.compared.len()], astray: 0.0 }
+        Paths { reference, sums: vec![[0.0; 2]; reference.compared.len()], deviation: 0.0 }
     }
 
     fn take(&mut self, at: usize, frame: &Frame) {
@@ -284,7 +284,7 @@ impl Paths<'_> {
                 let [distance, angle] = frame.apart(&fine.frames[at], body, fine.widths[body]);
                 sum[0] += distance;
                 sum[1] += angle;
-                self.astray = self.astray.max(distance);
+                self.deviation = self.deviation.max(distance);
             }
         }
     }

@@ -29,18 +29,17 @@ pub struct MethodOptions {
 
 impl Default for MethodOptions {
     fn default() -> MethodOptions {
-        let Effort { friction, relaxation, frequency, damping, calm, order, .. } = Effort::default();
-        let (guess, direction_memory, reduce) = (None, true, None);
+        let usual = Effort::default();
         MethodOptions {
-            guess,
-            friction,
-            relaxation,
-            frequency,
-            damping,
-            direction_memory,
-            calm,
-            order,
-            reduce,
+            guess: None,
+            friction: usual.friction,
+            relaxation: usual.relaxation,
+            frequency: usual.frequency,
+            damping: usual.damping,
+            direction_memory: true,
+            calm: usual.calm,
+            order: usual.order,
+            reduce: None,
         }
     }
 }

@@ -123,7 +123,7 @@ pub(crate) struct Conditions {
     /// Greatest distance of a body from the reference while its path can be compared, by its width
     /// [default: 1].
     #[arg(long, value_name = "WIDTHS", value_parser = limit)]
-    max_astray: Option<f64>,
+    max_deviation: Option<f64>,
     /// Difference of the statistics of all bodies from the reference's [default: 1].
     #[arg(long, value_name = "X", value_parser = limit)]
     max_heap: Option<f64>,
@@ -138,7 +138,7 @@ impl Conditions {
             (Measure::Gain, self.max_gain),
             (Measure::Lost, self.max_lost),
             (Measure::Unrest, self.max_unrest),
-            (Measure::Astray, self.max_astray),
+            (Measure::Deviation, self.max_deviation),
             (Measure::Heap, self.max_heap),
         ]
         .into_iter()
