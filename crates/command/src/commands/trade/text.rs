@@ -114,7 +114,7 @@ pub(super) const COLUMNS: [&str; 12] = [
     Measure::Gain.name(),
     Measure::Lost.name(),
     Measure::Unrest.name(),
-    Measure::Astray.name(),
+    Measure::Deviation.name(),
     Measure::Heap.name(),
 ];
 
