@@ -96,8 +96,8 @@ mod tests {
         points.iter().map(|p| p.force).collect()
     }
 
-    /// A square slab of 12 N without thickness on a slope of 30 degrees. Expected: held by friction it presses
-    /// with 12 cos 30 N; without friction the normal force alone balances it upwards, 12 / cos 30 N.
+    /// A square slab of 12 N without thickness on a slope of 30 degrees. Expected: held by friction it
+    /// presses with 12 cos 30 N; without friction the normal force alone balances it upwards, 12 / cos 30 N.
     #[test]
     fn a_slope_bears_a_weight_straight_up_as_far_as_friction_allows() {
         let (cosine, sine) = (0.75_f32.sqrt(), 0.5);
